@@ -1,0 +1,23 @@
+"""Constitutive laws.
+
+The contract of a law, a frozen dataclass (so that equal laws share one compiled kernel):
+
+`rate(stress, void_ratio, D, d_bar)`
+    Jaumann stress rate [Pa/s] of a stress (xx, yy, zz, xy) [Pa, tension positive] under the strain rate D [1/s];
+    `d_bar` is the norm of the strain rate that a non-local law averages, ||D|| for a local one.
+`admissible(stress, void_ratio)`
+    the stress pulled back to what the material can carry.
+`stiffness(stress, void_ratio)`
+    an upper bound of the modulus of a plane wave [Pa]: sets the time step.
+`rest_stress`
+    the isotropic pressure [Pa] that unloaded material starts from (0 if it may be free of stress).
+`grain_density`
+    [kg/m3].
+
+`integrate.update` drives any of them over a step. A new law is one file with these members.
+"""
+
+from taichi_silo.laws.elastic import Elastic
+from taichi_silo.laws.gudehus_bauer import GudehusBauer
+
+__all__ = ["Elastic", "GudehusBauer"]

@@ -1,0 +1,158 @@
+"""Hypoplastic sand after Gudehus and Bauer (1996): the law of the paper's appendix.
+
+    T_obj = f_s [ a1^2 D + T^ tr(T^ D) + f_d a1 (T^ + T^*) ||D|| ],   T^ = T / tr T,   T^* = T^ - I / 3
+
+with compression negative and p = -tr T / 3 > 0. Written from G. Gudehus, Soils Found. 36 (1996) 1-12 and
+E. Bauer, Soils Found. 36 (1996) 13-26, with h_i and the sign of cos 3 theta derived anew (docs: see README).
+"""
+
+import math
+from dataclasses import dataclass
+
+import taichi as ti
+
+from taichi_silo.maths import exp_minus, power
+from taichi_silo.tensors import (
+    added,
+    chosen,
+    inner,
+    largest_principal,
+    norm,
+    scaled,
+    shifted,
+    trace,
+    trace_of_cube,
+)
+
+SQRT6 = math.sqrt(6.0)
+
+
+@dataclass(frozen=True)
+class GudehusBauer:
+    """Karlsruhe sand of the paper unless told otherwise.
+
+    The law is calibrated for 1 to 1000 kPa. Below `rest_stress` the grains count as separated: the stress is put to
+    that small isotropic pressure, from which the sand loads again once it is compacted.
+    """
+
+    critical_friction_angle_deg: float = 30.0
+    granular_hardness_Pa: float = 190e6
+    n: float = 0.5
+    alpha: float = 0.3
+    beta: float = 1.0
+    e_i0: float = 1.30
+    e_c0: float = 0.82
+    e_d0: float = 0.51
+    grain_density: float = 2650.0
+    rest_stress: float = 1.0
+
+    @property
+    def c1(self) -> float:
+        """Shape of the critical surface in triaxial compression."""
+        s = math.sin(math.radians(self.critical_friction_angle_deg))
+        return math.sqrt(3.0 / 8.0) * (3.0 - s) / s
+
+    @property
+    def c2(self) -> float:
+        """Shape of the critical surface away from triaxial compression."""
+        s = math.sin(math.radians(self.critical_friction_angle_deg))
+        return 3.0 / 8.0 * (3.0 + s) / s
+
+    @property
+    def h_i(self) -> float:
+        """Makes isotropic compression from e_i follow e_i0 exp[-(3p/h_s)^n] exactly."""
+        ratio = (self.e_i0 - self.e_d0) / (self.e_c0 - self.e_d0)
+        return 1.0 / self.c1**2 + 1.0 / 3.0 - ratio**self.alpha / (self.c1 * math.sqrt(3.0))
+
+    def void_ratio_limits(self, pressure_Pa: float) -> tuple[float, float, float]:
+        """(e_d, e_c, e_i) at mean stress p: densest, critical and loosest void ratio (Python scope)."""
+        shrink = math.exp(-((3.0 * pressure_Pa / self.granular_hardness_Pa) ** self.n))
+        return self.e_d0 * shrink, self.e_c0 * shrink, self.e_i0 * shrink
+
+    @ti.func
+    def factors(self, pressure, void_ratio):
+        """(f_s [Pa], f_d): barotropy and pyknotropy at mean stress p [Pa], with e kept within e_d and e_i."""
+        crowding = power(3.0 * pressure / self.granular_hardness_Pa, self.n)
+        shrink = exp_minus(crowding)
+        e_i = self.e_i0 * shrink
+        e = ti.min(void_ratio, e_i)
+        above = ti.max(e - self.e_d0 * shrink, 0.0) / ((self.e_c0 - self.e_d0) * shrink)
+        f_d = power(above, self.alpha)
+        # h_s/n (3p/h_s)^(1-n) = 3p / (n (3p/h_s)^n)
+        f_s = 3.0 * pressure / (self.n * self.h_i * crowding) * power(e_i / e, self.beta) * (1.0 + e_i) / e_i
+        return f_s, f_d
+
+    @ti.func
+    def a1(self, deviator):
+        """a1 of a normalised deviator T^*: 1/a1 = c1 + c2 ||T^*|| (1 + cos 3 theta)."""
+        square = inner(deviator, deviator) + 1e-24
+        size = ti.sqrt(square)
+        cos_3theta = ti.min(ti.max(-SQRT6 * trace_of_cube(deviator) / (square * size), -1.0), 1.0)
+        return 1.0 / (self.c1 + self.c2 * size * (1.0 + cos_3theta))
+
+    @ti.func
+    def rate(self, stress, void_ratio, D, d_bar):
+        """Jaumann stress rate [Pa/s]."""
+        tr = ti.min(trace(stress), -3.0 * self.rest_stress)
+        relative = scaled(stress, 1.0 / tr)
+        deviator = shifted(relative, -trace(relative) / 3.0)
+        f_s, f_d = self.factors(-tr / 3.0, void_ratio)
+        a1 = self.a1(deviator)
+        linear = added(scaled(D, a1 * a1), relative, inner(relative, D))
+        both = added(relative, deviator, 1.0)
+        return scaled(added(linear, both, f_d * a1 * d_bar), f_s)
+
+    @ti.func
+    def admissible(self, stress, void_ratio):
+        """No tension in any direction, and separated grains (p below rest stress, or e above e_i0) at rest stress."""
+        pressure = -trace(stress) / 3.0
+        pull = largest_principal(stress)
+        # the deviator shrinks until the largest principal stress is zero
+        fraction = ti.select(pull > 0.0, pressure / (pressure + ti.max(pull, 1e-30)), 1.0)
+        zero = 0.0 * pressure
+        drawn = shifted(scaled(shifted(stress, pressure), fraction), -pressure)
+        resting = shifted((zero, zero, zero, zero), zero - self.rest_stress)
+        apart = ti.max(self.rest_stress - pressure, void_ratio - self.e_i0) > 0.0
+        return chosen(apart, resting, drawn)
+
+    @ti.func
+    def stiffness(self, stress, void_ratio):
+        """Upper bound of the modulus of a plane wave [Pa].
+
+        For D = sym(n m) the traction rate is at most f_s (a1^2 + t^2 + f_d a1 (2 t - 1/3)), t the largest
+        principal value of T^; in an isotropic state this is the unloading modulus exactly.
+        """
+        tr = ti.min(trace(stress), -3.0 * self.rest_stress)
+        relative = scaled(stress, 1.0 / tr)
+        f_s, f_d = self.factors(-tr / 3.0, void_ratio)
+        a1 = self.a1(shifted(relative, -trace(relative) / 3.0))
+        largest = ti.min(largest_principal(relative), 1.0)
+        return f_s * (a1 * a1 + largest * largest + f_d * a1 * (2.0 * largest - 1.0 / 3.0))
+
+
+def rest_pressure_ratio(law: GudehusBauer, void_ratio: float, stress_Pa: float = 3e3) -> float:
+    """K0 = sigma_h / sigma_v that one-dimensional compression tends to at this void ratio (Python scope).
+
+    The proportional path of hypoplasticity: T_obj parallel to T under uniaxial compression; found by bisection on
+    the direction of the rate.
+    """
+
+    def drift(k0: float) -> float:
+        vertical, side = -stress_Pa, -k0 * stress_Pa
+        tr = vertical + 2.0 * side
+        t_v, t_h = vertical / tr, side / tr
+        s_v, s_h = t_v - 1.0 / 3.0, t_h - 1.0 / 3.0
+        size = math.sqrt(s_v**2 + 2.0 * s_h**2)
+        cos_3theta = 0.0 if size == 0.0 else -SQRT6 * (s_v**3 + 2.0 * s_h**3) / size**3
+        a1 = 1.0 / (law.c1 + law.c2 * size * (1.0 + cos_3theta))
+        e_d, e_c, _ = law.void_ratio_limits(-tr / 3.0)
+        f_d = (max(void_ratio - e_d, 0.0) / (e_c - e_d)) ** law.alpha
+        rate_v = -(a1**2) - t_v * t_v + f_d * a1 * (t_v + s_v)
+        rate_h = -t_h * t_v + f_d * a1 * (t_h + s_h)
+        return rate_h / rate_v - k0
+
+    low, high = 1e-3, 1.0
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if drift(middle) > 0.0 else (low, middle)
+    return 0.5 * (low + high)

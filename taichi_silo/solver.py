@@ -1,0 +1,204 @@
+"""The explicit step, in the order of the paper's section 3, and the loops over points and nodes."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import taichi as ti
+
+from taichi_silo import runtime
+from taichi_silo.grid import Grid
+from taichi_silo.noise import NoiseControl
+from taichi_silo.particles import Particles
+from taichi_silo.runtime import real
+from taichi_silo.tensors import trace
+from taichi_silo.transfer import gather, integrate_node, scatter
+
+SPIN_LIMIT = 200_000_000  # turns of a waiting thread before it gives up (about a second)
+
+
+@ti.dataclass
+class Step:
+    """What varies from step to step."""
+
+    dt: real  # [s]
+    gravity: real  # downwards [m/s2]
+    frame_velocity: real  # of the grid and the bottom plate, upwards [m/s]
+    filling_drag: real  # [1/s]
+
+
+@ti.data_oriented
+class Books:
+    """Impulses booked since they were last read [N s/m].
+
+    reaction (wall, slot along the wall): impulse that each wall gives to the sand.
+    control (grid row): impulse of the noise control on the sand.
+    """
+
+    def __init__(self, walls: int, grid: Grid):
+        self.reaction = ti.Vector.field(2, real, shape=(max(walls, 1), max(grid.columns, grid.rows)))
+        self.control = ti.Vector.field(2, real, shape=grid.rows)
+
+    def take(self) -> tuple[np.ndarray, np.ndarray]:
+        """Reaction (walls, slots, 2) and control (rows, 2), and start anew."""
+        taken = self.reaction.to_numpy(), self.control.to_numpy()
+        self.reaction.fill(0.0)
+        self.control.fill(0.0)
+        return taken
+
+
+@ti.data_oriented
+class Solver:
+    """Explicit material point method, stress updated last.
+
+    Parameters
+    ----------
+    particles, grid : the state.
+    shape : of `taichi_silo.shapes`.
+    law : of `taichi_silo.laws`.
+    walls : tuple of walls of `taichi_silo.walls`, applied in this order.
+    control : noise control.
+    gravity : [m/s2], downwards.
+    shared : one launch a phase with atomic sums, as on a GPU; the default on the CPU gives every thread its own
+        strip of points and copy of the sums, and many steps a launch.
+
+    """
+
+    def __init__(
+        self, particles: Particles, grid: Grid, shape, law, walls=(), control: NoiseControl | None = None,
+        shared: bool | None = None,
+    ):  # fmt: skip
+        self.particles, self.grid, self.shape, self.law = particles, grid, shape, law
+        self.walls, self.control = tuple(walls), control or NoiseControl()
+        self.shared = not runtime.is_cpu() if shared is None else shared
+        self.threads = 1 if self.shared else runtime.threads()
+        if not self.shared and grid.copies != self.threads:
+            raise ValueError(f"grid has {grid.copies} copies of its sums; {self.threads} threads need as many")
+        self.books = Books(len(self.walls), grid)
+        self.arrivals = ti.field(ti.i32, shape=64)
+        self.passed = 0
+        self.found = ti.field(real, shape=8)
+
+    # --- the step -----------------------------------------------------------------------------------------------
+
+    def advance(self, steps: int, dt: float, gravity=(0.0, 0.0), frame_velocity=(0.0, 0.0), filling_drag=0.0) -> None:
+        """Do `steps` steps of `dt` seconds.
+
+        `gravity` and `frame_velocity` are pairs, at the beginning and the end, and vary linearly between.
+        """
+        schedule = (gravity[0], gravity[1], frame_velocity[0], frame_velocity[1])
+        if self.shared:
+            for number in range(steps):
+                self._step_shared(steps, number, dt, *schedule, filling_drag)
+        elif self.threads == 1:
+            self._steps_alone(steps, dt, *schedule, filling_drag)
+        else:
+            if self.passed > 1_000_000_000:
+                self.arrivals.fill(0)
+                self.passed = 0
+            self._steps_together(steps, dt, *schedule, filling_drag, self.passed)
+            self.passed += 2 * self.threads * steps
+
+    @ti.func
+    def _at(self, number, steps, dt, g0, g1, f0, f1, filling_drag):
+        part = (number + 0.5) / steps
+        return Step(dt=dt, gravity=g0 + part * (g1 - g0), frame_velocity=f0 + part * (f1 - f0), filling_drag=filling_drag)
+
+    @ti.kernel
+    def _step_shared(
+        self, steps: ti.i32, number: ti.i32, dt: real, g0: real, g1: real, f0: real, f1: real, filling_drag: real
+    ):
+        for p in range(self.particles.count):
+            scatter(self.particles, self.grid, self.shape, p, 0, True)
+        for k in range(self.grid.nodes):
+            step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
+            j = k // self.grid.columns
+            integrate_node(self.grid, self.walls, self.control, self.books, k - j * self.grid.columns, j, step)
+        for p in range(self.particles.count):
+            step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
+            gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
+
+    @ti.kernel
+    def _steps_alone(self, steps: ti.i32, dt: real, g0: real, g1: real, f0: real, f1: real, filling_drag: real):
+        ti.loop_config(serialize=True)
+        for number in range(steps):
+            step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
+            for p in range(self.particles.count):
+                scatter(self.particles, self.grid, self.shape, p, 0, False)
+            for j in range(self.grid.rows):
+                for i in range(self.grid.columns):
+                    integrate_node(self.grid, self.walls, self.control, self.books, i, j, step)
+            for p in range(self.particles.count):
+                gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
+
+    @ti.kernel
+    def _steps_together(
+        self, steps: ti.i32, dt: real, g0: real, g1: real, f0: real, f1: real, filling_drag: real, passed: ti.i32
+    ):
+        ti.loop_config(block_dim=1)
+        for t in range(self.threads):
+            first, last = t * self.particles.count // self.threads, (t + 1) * self.particles.count // self.threads
+            low, high = t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads
+            for number in range(steps):
+                step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
+                for p in range(first, last):
+                    scatter(self.particles, self.grid, self.shape, p, t * self.grid.nodes, False)
+                self._wait(passed + self.threads * (2 * number + 1))
+                for j in range(low, high):
+                    for i in range(self.grid.columns):
+                        integrate_node(self.grid, self.walls, self.control, self.books, i, j, step)
+                self._wait(passed + self.threads * (2 * number + 2))
+                for p in range(first, last):
+                    gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
+
+    @ti.func
+    def _wait(self, arrivals):
+        """Wait until all threads have arrived."""
+        ti.atomic_add(self.arrivals[0], 1)
+        turns = 0
+        while ti.atomic_max(self.arrivals[0], -1) < arrivals and turns < SPIN_LIMIT:  # an atomic load
+            turns += 1
+        if turns >= SPIN_LIMIT:
+            self.arrivals[32] = 1
+
+    # --- what observers ask ---------------------------------------------------------------------------------------
+
+    def survey(self) -> SimpleNamespace:
+        """Sums and extremes over the points, in one pass.
+
+        Returns
+        -------
+        kinetic_energy [J/m], momentum (vertical) [kg m/s /m], stable_step: h / (c + |v|) times the shape's stable
+        fraction, least over the points [s]; void_ratio_low, void_ratio_high; strays: points outside the grid or not
+        finite; speed: greatest [m/s].
+
+        """
+        self._survey()
+        energy, momentum, step, low, high, strays, speed, _ = self.found.to_numpy()
+        return SimpleNamespace(
+            kinetic_energy=energy, momentum=momentum, stable_step=step * self.shape.stable_fraction,
+            void_ratio_low=low, void_ratio_high=high, strays=int(strays), speed=speed,
+        )  # fmt: skip
+
+    @ti.kernel
+    def _survey(self):
+        for k in range(1):
+            self.found[0], self.found[1], self.found[5], self.found[6] = 0.0, 0.0, 0.0, 0.0
+            self.found[2], self.found[3], self.found[4] = 1e30, 1e30, -1e30
+        ti.loop_config(serialize=True)
+        for p in range(self.particles.count):
+            v, x, s = self.particles.velocity[p], self.particles.position[p], self.particles.stress[p]
+            m, volume = self.particles.mass[p], self.particles.volume[p]
+            e = volume * self.law.grain_density / m - 1.0
+            speed = v.norm()
+            c = ti.sqrt(self.law.stiffness((s[0], s[1], s[2], s[3]), e) * volume / m)
+            self.found[0] += 0.5 * m * speed * speed
+            self.found[1] += m * v[1]
+            ti.atomic_min(self.found[2], self.grid.cell_size / (c + speed))
+            ti.atomic_min(self.found[3], e)
+            ti.atomic_max(self.found[4], e)
+            ti.atomic_max(self.found[6], speed)
+            h = self.grid.cell_size
+            inside = x[0] > -h and x[0] < (self.grid.columns - 4) * h and x[1] > -h and x[1] < (self.grid.rows - 4) * h
+            finite = trace((s[0], s[1], s[2], s[3])) + speed < 1e300
+            if not (inside and finite):
+                self.found[5] += 1.0
