@@ -114,3 +114,14 @@ class StressPoint:
         else:
             raise RuntimeError(f"no strain gives the stresses {targets} Pa; the last error was {error} Pa")
         self.step(trial, spin, count)
+
+
+@ti.kernel
+def _stiffness(law: ti.template(), s0: real, s1: real, s2: real, s3: real, e: real) -> real:
+    return law.stiffness((s0, s1, s2, s3), e)
+
+
+def wave_speed(law, stress, void_ratio: float) -> float:
+    """Upper bound of the speed of a plane wave [m/s] at a stress (xx, yy, zz, xy) [Pa]."""
+    stiffness = _stiffness(law, *map(float, stress), float(void_ratio))
+    return float(np.sqrt(stiffness * (1.0 + void_ratio) / law.grain_density))

@@ -1,0 +1,190 @@
+"""What a user gives: typed, checked, with units, and every default visible.
+
+A scene is written into `run.toml` and read from it again. Unknown names and impossible values are refused before any
+work, in a sentence that names the value and its valid range.
+"""
+
+import math
+import os
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+
+from taichi_silo.laws import GudehusBauer
+
+LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of loose sand applies
+MOST_POINTS = 20_000_000
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Silo(_Table):
+    """The box between two parallel walls; all forces are per metre run."""
+
+    width_m: float = Field(0.2, gt=0)
+    height_m: float = Field(0.5, gt=0, description="height of the fill")
+
+
+class Sand(_Table):
+    """Gudehus-Bauer constants; the defaults are the paper's Karlsruhe sand."""
+
+    name: str = "Karlsruhe"
+    void_ratio: float = 0.60
+    critical_friction_angle_deg: float = Field(30.0, gt=0, lt=90)
+    granular_hardness_Pa: float = Field(190e6, gt=0)
+    n: float = Field(0.5, gt=0, lt=1)
+    alpha: float = Field(0.3, gt=0)
+    beta: float = Field(1.0, gt=0)
+    e_i0: float = Field(1.30, gt=0)
+    e_c0: float = Field(0.82, gt=0)
+    e_d0: float = Field(0.51, gt=0)
+    grain_density_kg_per_m3: float = Field(2650.0, gt=0)
+    d50_m: float = Field(0.5e-3, gt=0)
+
+    @model_validator(mode="after")
+    def _ordered(self):
+        if not self.e_d0 < self.e_c0 < self.e_i0:
+            raise ValueError(f"limits of the void ratio are {self.e_d0}, {self.e_c0}, {self.e_i0}; e_d0 < e_c0 < e_i0 must hold")
+        if self.law().h_i <= 0:
+            raise ValueError(f"alpha is {self.alpha}; with these void ratios it gives h_i <= 0, a smaller one is needed")
+        if not self.e_d0 < self.void_ratio < self.e_i0:
+            raise ValueError(f"void ratio is {self.void_ratio}; it must lie between e_d0 = {self.e_d0} and e_i0 = {self.e_i0}")
+        return self
+
+    def law(self) -> GudehusBauer:
+        """The constitutive law with these constants."""
+        return GudehusBauer(
+            critical_friction_angle_deg=self.critical_friction_angle_deg,
+            granular_hardness_Pa=self.granular_hardness_Pa,
+            n=self.n, alpha=self.alpha, beta=self.beta,
+            e_i0=self.e_i0, e_c0=self.e_c0, e_d0=self.e_d0,
+            grain_density=self.grain_density_kg_per_m3,
+        )  # fmt: skip
+
+
+class Walls(_Table):
+    """Side walls; the bottom plate is smooth unless told otherwise."""
+
+    kind: Literal["smooth", "very-rough"] = "very-rough"
+    friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="of smooth walls; measured value if absent")
+    bottom_friction_angle_deg: float = Field(0.0, ge=0, lt=90)
+
+
+class Mesh(_Table):
+    """Background grid and points."""
+
+    cell_size_m: float = Field(0.005, gt=0)
+    points_per_cell: int = 1
+    shape: Literal["ugimp", "linear"] = "ugimp"
+
+    @field_validator("points_per_cell")
+    @classmethod
+    def _square(cls, value: int) -> int:
+        if value < 1 or math.isqrt(value) ** 2 != value:
+            raise ValueError(f"points per cell is {value}; it must be a square number: 1, 4, 9, 16, ...")
+        return value
+
+
+class Flow(_Table):
+    """Lowering of the bottom plate."""
+
+    speed_m_per_s: float = Field(0.002, gt=0)
+    displacement_m: float = Field(0.02, gt=0)
+
+
+class Method(_Table):
+    """How it is computed."""
+
+    noise_control: Literal["column", "none"] = "column"
+    time_step_s: float | None = Field(None, gt=0, description="from the law's stiffness if absent")
+    gravity_m_per_s2: float = Field(9.81, gt=0)
+    filling_time_s: float = Field(0.5, gt=0, description="of the linear increase of weight")
+    longest_settling_s: float = Field(1.0, ge=0)
+
+
+class Machine(_Table):
+    """Where it is computed."""
+
+    arch: Literal["cpu", "cuda"] = "cpu"
+    threads: int = Field(1, ge=1)
+
+    @field_validator("threads")
+    @classmethod
+    def _available(cls, value: int) -> int:
+        cores = os.cpu_count() or 1
+        if value > cores:
+            raise ValueError(f"threads is {value}; this machine has 1 to {cores}")
+        return value
+
+
+class Scene(_Table):
+    """A silo with parallel walls, filled with sand, whose bottom is lowered."""
+
+    silo: Silo = Silo()
+    sand: Sand = Sand()
+    walls: Walls = Walls()
+    grid: Mesh = Mesh()
+    flow: Flow = Flow()
+    method: Method = Method()
+    machine: Machine = Machine()
+
+    @model_validator(mode="after")
+    def _divides(self):
+        h = self.grid.cell_size_m
+        for name, length in (("width", self.silo.width_m), ("height", self.silo.height_m)):
+            cells = length / h
+            if abs(cells - round(cells)) > 1e-6 or round(cells) < 2:
+                raise ValueError(
+                    f"cell size is {h} m; it must divide the {name} of {length} m into a whole number of at least 2 cells"
+                )
+        if self.points > MOST_POINTS:
+            raise ValueError(f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed")
+        if self.flow.displacement_m > self.silo.height_m:
+            raise ValueError(
+                f"displacement is {self.flow.displacement_m} m; it must be at most the fill height of {self.silo.height_m} m"
+            )
+        return self
+
+    @property
+    def points(self) -> int:
+        """Number of material points."""
+        per_axis = math.isqrt(self.grid.points_per_cell)
+        h = self.grid.cell_size_m / per_axis
+        return round(self.silo.width_m / h) * round(self.silo.height_m / h)
+
+    @property
+    def wall_friction_angle_deg(self) -> float:
+        """Of smooth walls: as given, or as measured in the model silo (19 deg dense, 12.3 deg loose)."""
+        if self.walls.friction_angle_deg is not None:
+            return self.walls.friction_angle_deg
+        return 12.3 if self.sand.void_ratio >= LOOSE_FROM else 19.0
+
+    @property
+    def density_kg_per_m3(self) -> float:
+        """Bulk density of the fill."""
+        return self.sand.grain_density_kg_per_m3 / (1.0 + self.sand.void_ratio)
+
+    @property
+    def weight_N_per_m(self) -> float:
+        """Weight of the fill."""
+        return self.density_kg_per_m3 * self.method.gravity_m_per_s2 * self.silo.width_m * self.silo.height_m
+
+
+def one_sentence(error: ValidationError) -> str:
+    """The first thing that is wrong, with the name, the value and what would be right."""
+    first = error.errors()[0]
+    message = first["msg"].removeprefix("Value error, ")
+    if first["type"] == "value_error":
+        return message
+    name = str(first["loc"][-1]) if first["loc"] else "scene"
+    limits = first.get("ctx", {})
+    words = {"gt": "be above", "ge": "be at least", "lt": "be below", "le": "be at most"}
+    rules = [f"{words[key]} {limits[key]}" for key in words if key in limits]
+    if first["type"] == "extra_forbidden":
+        return f"{name} is not a parameter of a scene"
+    rule = f"it must {' and '.join(rules)}" if rules else message.lower()
+    return f"{name} is {first['input']}; {rule}"
+
+

@@ -1,0 +1,228 @@
+"""From a scene to its history: fill the silo, let it settle, lower the bottom."""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from taichi_silo.grid import MARGIN, Grid
+from taichi_silo.laws.stress_point import wave_speed
+from taichi_silo.noise import NoiseControl
+from taichi_silo.particles import Particles
+from taichi_silo.runtime import threads
+from taichi_silo.scene import Scene
+from taichi_silo.shapes import SHAPES
+from taichi_silo.solver import Solver
+from taichi_silo.walls import Coulomb, NoSlip, PlaneWall
+
+LEFT, RIGHT, BOTTOM = 0, 1, 2
+ROWS_PER_PERIOD = 10  # rows of forces.csv in one period of the column
+RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
+HEADROOM = 0.1  # of the fill height, free above it
+STEP_SAFETY = 0.95  # of the stable step, which changes within an interval
+SETTLED = 2e-4  # relative change of the wall force over two periods that counts as rest
+
+
+@dataclass(frozen=True)
+class Record:
+    """One interval: forces are means over it, so no impulse is lost between records; state is at its end.
+
+    Signs: normals positive in compression, shears positive where the wall carries weight; per metre run.
+    """
+
+    time_s: float
+    stage: str  # "filling" or "flow"
+    displacement_m: float
+    interval_s: float
+    bottom_N_per_m: float
+    left_normal_N_per_m: float
+    left_shear_N_per_m: float
+    right_normal_N_per_m: float
+    right_shear_N_per_m: float
+    weight_N_per_m: float
+    momentum_rate_N_per_m: float  # of the vertical momentum
+    control_N_per_m: float  # vertical force of the noise control on the sand
+    kinetic_energy_J_per_m: float
+    time_step_s: float
+    stable_step_s: float
+    void_ratio_low: float
+    void_ratio_high: float
+    strays: int
+    speed_m_per_s: float
+    profile: np.ndarray  # (3 walls, slots, 2): force of the wall on the sand at each node [N/m]
+
+    @property
+    def normal_N_per_m(self) -> float:
+        """N: mean of both walls."""
+        return 0.5 * (self.left_normal_N_per_m + self.right_normal_N_per_m)
+
+    @property
+    def shear_N_per_m(self) -> float:
+        """T: mean of both walls."""
+        return 0.5 * (self.left_shear_N_per_m + self.right_shear_N_per_m)
+
+    @property
+    def wall_friction_angle_deg(self) -> float:
+        """Arctan(T / N)."""
+        return math.degrees(math.atan2(self.shear_N_per_m, self.normal_N_per_m))
+
+    @property
+    def residual_N_per_m(self) -> float:
+        """P + 2 T - W - d(upward momentum)/dt + control force: zero but for round-off."""
+        carried = self.bottom_N_per_m + self.left_shear_N_per_m + self.right_shear_N_per_m
+        return carried - self.weight_N_per_m - self.momentum_rate_N_per_m + self.control_N_per_m
+
+
+class Simulation:
+    """The silo of a scene, ready to be filled; Taichi has been started.
+
+    Iterate over `run()`: it yields a `Record` after each interval. Observers look at the public attributes in between.
+    """
+
+    def __init__(self, scene: Scene, control: NoiseControl | None = None):
+        self.scene = scene
+        self.law = scene.sand.law()
+        self.time, self.displacement, self.stage = 0.0, 0.0, "filling"
+        self.steps = 0
+        h = scene.grid.cell_size_m
+        per_axis = math.isqrt(scene.grid.points_per_cell)
+        self.spacing = h / per_axis
+
+        middle = 0.5 * scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * scene.silo.height_m
+        self.wave_speed = wave_speed(self.law, (-0.5 * middle, -middle, -0.5 * middle, 0.0), scene.sand.void_ratio)
+        self.period = 4.0 * scene.silo.height_m / self.wave_speed
+        if control is None:
+            on = scene.method.noise_control == "column"
+            control = NoiseControl.for_column(self.period) if on else NoiseControl()
+        self.control = control
+
+        grid = Grid(scene.silo.width_m, scene.silo.height_m * (1.0 + HEADROOM), h, copies=threads())
+        self.particles = self._fill_box()
+        self.solver = Solver(
+            self.particles, grid, SHAPES[scene.grid.shape](0.5 / per_axis), self.law, self._walls(grid), control
+        )
+        self.mass = float(self.particles.mass.to_numpy().sum())
+
+    def _fill_box(self) -> Particles:
+        scene, d = self.scene, self.spacing
+        columns, rows = round(scene.silo.width_m / d), round(scene.silo.height_m / d)
+        x, y = np.meshgrid((np.arange(columns) + 0.5) * d, (np.arange(rows) + 0.5) * d)
+        count = columns * rows
+        particles = Particles(count)
+        particles.load(
+            {
+                "position": np.stack([x.ravel(), y.ravel()], axis=1),
+                "velocity": np.zeros((count, 2)),
+                "stress": np.tile([-self.law.rest_stress] * 3 + [0.0], (count, 1)),
+                "mass": np.full(count, scene.density_kg_per_m3 * d * d),
+                "volume": np.full(count, d * d),
+                "path": np.zeros(count),
+            }
+        )
+        return particles
+
+    def _walls(self, grid: Grid) -> tuple[PlaneWall, ...]:
+        scene = self.scene
+        side = NoSlip() if scene.walls.kind == "very-rough" else Coulomb(scene.wall_friction_angle_deg)
+        return (
+            PlaneWall("left", 0, -1, grid.node_along(0.0), side),
+            PlaneWall("right", 0, 1, grid.node_along(scene.silo.width_m), side),
+            PlaneWall("bottom", 1, -1, grid.node_along(0.0), Coulomb(scene.walls.bottom_friction_angle_deg), moves=True),
+        )
+
+    # --- stages ---------------------------------------------------------------------------------------------------
+
+    @property
+    def interval(self) -> float:
+        """Time between records [s]."""
+        return self.period / ROWS_PER_PERIOD
+
+    def run(self):
+        """Fill, settle and flow; yields a Record after each interval."""
+        yield from self.fill()
+        yield from self.flow()
+
+    def fill(self):
+        """Linear increase of weight, then rest until the wall force no longer changes."""
+        self.stage = "filling"
+        g, duration = self.scene.method.gravity_m_per_s2, self.scene.method.filling_time_s
+        count = math.ceil(duration / self.interval)
+        for number in range(count):
+            yield self._interval(duration / count, (g * number / count, g * (number + 1) / count), (0.0, 0.0))
+        recent = deque(maxlen=2 * ROWS_PER_PERIOD)
+        for _ in range(math.ceil(self.scene.method.longest_settling_s / self.interval)):
+            record = self._interval(self.interval, (g, g), (0.0, 0.0))
+            recent.append(record.normal_N_per_m)
+            yield record
+            if len(recent) == recent.maxlen and max(recent) - min(recent) < SETTLED * max(recent):
+                break
+
+    def flow(self):
+        """Lower the bottom: a smooth start over several periods, then constant speed."""
+        self.stage = "flow"
+        g, target = self.scene.method.gravity_m_per_s2, self.scene.flow.displacement_m
+        start, speed = self.time, 0.0
+        while self.displacement < target * (1.0 - 1e-12):
+            duration = self.interval
+            faster = self._speed(self.time + duration - start)
+            step = 0.5 * (speed + faster) * duration
+            if self.displacement + step > target:
+                duration = (target - self.displacement) / (0.5 * (speed + faster))
+            yield self._interval(duration, (g, g), (-speed, -faster))
+            speed = faster
+
+    def _speed(self, time: float) -> float:
+        part = min(time / (RAMP_PERIODS * self.period), 1.0)
+        return self.scene.flow.speed_m_per_s * part * part * (3.0 - 2.0 * part)
+
+    def _interval(self, duration: float, gravity, frame_velocity) -> Record:
+        scene, solver = self.scene, self.solver
+        before = solver.survey()
+        step = scene.method.time_step_s or STEP_SAFETY * before.stable_step
+        steps = max(1, math.ceil(duration / step - 1e-9))
+        dt = duration / steps
+        filling = self.control.filling_drag if self.stage == "filling" else 0.0
+        solver.advance(steps, dt, gravity, frame_velocity, filling)
+        reaction, control = solver.books.take()
+        after = solver.survey()
+        self.time += duration
+        self.displacement -= 0.5 * (frame_velocity[0] + frame_velocity[1]) * duration
+        self.steps += steps
+        profile = reaction / duration
+        force = profile.sum(axis=1)
+        return Record(
+            time_s=self.time,
+            stage=self.stage,
+            displacement_m=self.displacement,
+            interval_s=duration,
+            bottom_N_per_m=force[BOTTOM, 1],
+            left_normal_N_per_m=force[LEFT, 0],
+            left_shear_N_per_m=force[LEFT, 1],
+            right_normal_N_per_m=-force[RIGHT, 0],
+            right_shear_N_per_m=force[RIGHT, 1],
+            weight_N_per_m=self.mass * 0.5 * (gravity[0] + gravity[1]),
+            momentum_rate_N_per_m=(after.momentum - before.momentum) / duration,
+            control_N_per_m=control[:, 1].sum() / duration,
+            kinetic_energy_J_per_m=after.kinetic_energy,
+            time_step_s=dt,
+            stable_step_s=after.stable_step,
+            void_ratio_low=after.void_ratio_low,
+            void_ratio_high=after.void_ratio_high,
+            strays=after.strays,
+            speed_m_per_s=after.speed,
+            profile=profile,
+        )
+
+    # --- state ----------------------------------------------------------------------------------------------------
+
+    def points(self) -> dict[str, np.ndarray]:
+        """All fields of the points as arrays, `position` in the laboratory, and `void_ratio`."""
+        arrays = self.particles.arrays()
+        arrays["position"] = arrays["position"] - np.array([0.0, self.displacement])
+        arrays["void_ratio"] = arrays["volume"] * self.law.grain_density / arrays["mass"] - 1.0
+        return arrays
+
+    def slot_coordinates(self) -> np.ndarray:
+        """Coordinate of each slot of a profile along its wall, in the frame of the grid [m]."""
+        return (np.arange(self.solver.books.reaction.shape[1]) - MARGIN) * self.scene.grid.cell_size_m
