@@ -6,12 +6,8 @@ which is below the spacing of f32 numbers at 0.5 m (3e-8 m).
 
 import contextlib
 import io
-import logging
-import os
 
-os.environ.setdefault("TI_LOG_LEVEL", "error")
-with contextlib.redirect_stdout(io.StringIO()):  # Taichi greets on import; a run prints only its own lines
-    import taichi as ti
+import taichi as ti
 
 real = ti.f64
 ARCHITECTURES = ("cpu", "cuda")
@@ -37,7 +33,6 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
     """
     if arch not in ARCHITECTURES:
         raise ArchitectureError(f"arch is {arch!r}; it must be one of {', '.join(ARCHITECTURES)}")
-    logging.getLogger("taichi").setLevel(logging.ERROR)
     options = {"default_fp": real, "log_level": ti.ERROR, "offline_cache": True}
     with contextlib.redirect_stdout(io.StringIO()):
         if arch == "cuda":

@@ -1,6 +1,7 @@
 """From a scene to its history: fill the silo, let it settle, lower the bottom."""
 
 import math
+import time
 from collections import deque
 from dataclasses import dataclass
 
@@ -84,7 +85,7 @@ class Simulation:
         self.scene = scene
         self.law = scene.sand.law()
         self.time, self.displacement, self.stage = 0.0, 0.0, "filling"
-        self.steps = 0
+        self.steps, self.stepping_seconds = 0, 0.0
         h = scene.grid.cell_size_m
         per_axis = math.isqrt(scene.grid.points_per_cell)
         self.spacing = h / per_axis
@@ -172,8 +173,8 @@ class Simulation:
             yield self._interval(duration, (g, g), (-speed, -faster))
             speed = faster
 
-    def _speed(self, time: float) -> float:
-        part = min(time / (RAMP_PERIODS * self.period), 1.0)
+    def _speed(self, since_start: float) -> float:
+        part = min(since_start / (RAMP_PERIODS * self.period), 1.0)
         return self.scene.flow.speed_m_per_s * part * part * (3.0 - 2.0 * part)
 
     def _interval(self, duration: float, gravity, frame_velocity) -> Record:
@@ -183,8 +184,10 @@ class Simulation:
         steps = max(1, math.ceil(duration / step - 1e-9))
         dt = duration / steps
         filling = self.control.filling_drag if self.stage == "filling" else 0.0
+        begun = time.perf_counter()
         solver.advance(steps, dt, gravity, frame_velocity, filling)
-        reaction, control = solver.books.take()
+        reaction, control = solver.books.take()  # waits for the device
+        self.stepping_seconds += time.perf_counter() - begun
         after = solver.survey()
         self.time += duration
         self.displacement -= 0.5 * (frame_velocity[0] + frame_velocity[1]) * duration

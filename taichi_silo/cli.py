@@ -1,0 +1,51 @@
+"""What the scenario scripts share: a command line that says in one sentence what is wrong."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import typer
+from pydantic import ValidationError
+from rich.console import Console
+
+from taichi_silo.faults import BadInput, RunFailed
+from taichi_silo.scene import one_sentence
+
+BAD_INPUT, FAILED, STOPPED = 2, 1, 130
+
+
+def command(function: Callable) -> None:
+    """Run a function as a command line: bad input ends with exit code 2, a failed run with 1.
+
+    The function's parameters, typer options, are the flags; an unknown flag is refused with the nearest known one.
+    """
+    app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+    app.command()(function)
+    try:
+        app()
+    except ValidationError as error:
+        _stop(one_sentence(error), BAD_INPUT)
+    except BadInput as error:
+        _stop(str(error), BAD_INPUT)
+    except RunFailed as error:
+        _stop(f"the run went wrong {error}; everything up to then is kept", FAILED)
+    except KeyboardInterrupt:
+        _stop("stopped; everything up to then is kept", STOPPED)
+
+
+def _stop(sentence: str, code: int) -> None:
+    print(f"Error: {sentence}.", file=sys.stderr)
+    sys.exit(code)
+
+
+def tell(folder: Path) -> None:
+    """Say where to look."""
+    console = Console()
+    console.print(f"\nThe run is in {folder}", highlight=False, soft_wrap=True)
+    for name, what in (
+        ("void_ratio.mp4", "film"), ("figures/forces.png", "P, T, N against the bottom displacement"),
+        ("figures/void_ratio.png", "shear zones"), ("forces.csv", "force histories"),
+        ("summary.json", "peaks, residuals, certificate"), ("snapshots/silo.pvd", "for ParaView"),
+    ):  # fmt: skip
+        if (folder / name).exists():
+            console.print(f"  {name:26s} {what}", highlight=False)

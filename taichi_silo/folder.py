@@ -1,0 +1,99 @@
+"""The folder that a run leaves, and the parameters in it."""
+
+import platform
+import subprocess
+from importlib.metadata import version
+from pathlib import Path
+
+import tomli_w
+from pydantic import ValidationError
+
+from taichi_silo.faults import BadInput
+from taichi_silo.scene import Scene, one_sentence
+
+try:
+    import tomllib
+except ModuleNotFoundError:  # Python 3.10
+    import tomli as tomllib
+
+MADE = "run.toml"  # its presence says that the folder holds a run
+
+
+def claim(folder: Path, overwrite: bool = False) -> Path:
+    """The folder, made and proved writable.
+
+    Raises
+    ------
+    BadInput
+        if it cannot be written, or holds a run and `overwrite` is false.
+
+    """
+    if (folder / MADE).exists() and not overwrite:
+        raise BadInput(f"output {folder} holds a run already; give another folder, or --overwrite to replace it")
+    made = [parent for parent in (folder, *folder.parents) if not parent.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".probe"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        for parent in made:
+            if parent.is_dir() and not any(parent.iterdir()):
+                parent.rmdir()
+        raise BadInput(f"output {folder} cannot be written: {error.strerror or error}") from error
+    return folder
+
+
+def free_name(folder: Path) -> Path:
+    """The folder's name, or the first of name-2, name-3, ... that holds no run yet."""
+    number, name = 2, folder
+    while (name / MADE).exists():
+        name, number = folder.with_name(f"{folder.name}-{number}"), number + 1
+    return name
+
+
+def _revision() -> str:
+    try:
+        answer = subprocess.run(
+            ["git", "describe", "--always", "--dirty"],
+            cwd=Path(__file__).parent, capture_output=True, text=True, timeout=5, check=True,
+        )  # fmt: skip
+        return answer.stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"
+
+
+def write_parameters(folder: Path, scene: Scene, program: dict) -> None:
+    """Write run.toml: every parameter as used, and what computed it; in one piece or not at all."""
+    tables = scene.model_dump(exclude_none=True)
+    tables["walls"]["friction_angle_deg"] = scene.wall_friction_angle_deg
+    tables["program"] = {
+        "taichi_silo": version("taichi-silo"),
+        "revision": _revision(),
+        "taichi": version("taichi"),
+        "python": platform.python_version(),
+        "precision": "f64",
+        **program,
+    }
+    temporary = folder / (MADE + ".part")
+    temporary.write_text(tomli_w.dumps(tables))
+    temporary.replace(folder / MADE)
+
+
+def read_scene(file: Path) -> Scene:
+    """The scene of a run.toml.
+
+    Raises
+    ------
+    BadInput
+        if the file cannot be read or its values are not possible.
+
+    """
+    try:
+        tables = tomllib.loads(Path(file).read_text())
+        tables.pop("program", None)
+        return Scene.model_validate(tables)
+    except ValidationError as error:
+        raise BadInput(f"{file}: {one_sentence(error)}") from error
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        raise BadInput(f"{file} cannot be read as a scene: {error}") from error

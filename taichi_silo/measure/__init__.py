@@ -1,0 +1,1 @@
+"""Measurements on the fields of a run."""

@@ -1,0 +1,91 @@
+"""The quasi-static certificate: numbers for how far to trust a run."""
+
+import numpy as np
+import pandas as pd
+
+from taichi_silo.measure.deformation import net_shear
+
+SURFACE = 0.9  # of the fill height; above, the mean stress is a few pascals and the law is not calibrated
+UNSHEARED = 0.005  # net shear strain up to which shear explains no densification
+MEAN_SPAN_PERIODS = 2.5  # of the moving mean that noise is measured against
+STEADY_FROM = 0.1  # of the final displacement: from here the start of the bottom has rung down
+
+
+def certificate(records: pd.DataFrame, filled: dict, final: dict, scene, period_s: float, total_mass: float) -> dict:
+    """Measures of a run; those that need a flow are absent without one.
+
+    Parameters
+    ----------
+    records : one row an interval (attributes of `simulation.Record`, less the profile).
+    filled, final : states of the points after filling and at the end (`Simulation.points` plus `displacement_m`
+        and `time_s`).
+    scene : the scene.
+    period_s : of the column's slowest mode.
+    total_mass : [kg/m].
+
+    """
+    weight = scene.weight_N_per_m
+    found = {
+        "force_balance_residual_over_weight": float(records.residual_N_per_m.abs().max() / weight),
+        "largest_time_step_over_stable": float((records.time_step_s / records.stable_step_s).max()),
+    }
+    flow = records[records.stage == "flow"]
+    if flow.empty or filled is None:
+        return found
+    steady = flow[flow.displacement_m >= STEADY_FROM * scene.flow.displacement_m]
+    rigid = 0.5 * total_mass * scene.flow.speed_m_per_s**2
+    found |= {
+        "kinetic_energy_over_rigid_motion": _range(steady.kinetic_energy_J_per_m / rigid),
+        "largest_kinetic_energy_over_work": float(
+            (steady.kinetic_energy_J_per_m / (weight * steady.displacement_m)).max()
+        ),
+        "noise_of_normal_force": noise(steady.normal_N_per_m, steady.interval_s, MEAN_SPAN_PERIODS * period_s),
+        "noise_control_force_over_weight": float(
+            _rolling(steady.control_N_per_m, steady.interval_s, period_s).abs().max() / weight
+        ),
+        "left_right_difference_over_weight": float(
+            (flow.left_normal_N_per_m - flow.right_normal_N_per_m).abs().max() / weight
+        ),
+    }
+    uneven = flow[(flow.left_normal_N_per_m - flow.right_normal_N_per_m).abs() > 1e-9 * weight]
+    if not uneven.empty:
+        found["left_right_difference_from_displacement_m"] = float(uneven.displacement_m.iloc[0])
+    return found | _state_measures(filled, final, scene)
+
+
+def _state_measures(filled: dict, final: dict, scene) -> dict:
+    width, height = scene.silo.width_m, scene.silo.height_m
+    x, y = filled["position"].T
+    below = y < SURFACE * height
+    core = below & (np.abs(x - 0.5 * width) < 0.25 * width)
+    mass = filled["mass"]
+    growth = final["void_ratio"] - filled["void_ratio"]
+    path = final["path"] - filled["path"]
+    still = below & (net_shear(filled["position"], final["position"]) < UNSHEARED)
+    found = {
+        "mean_void_ratio_drift": float(np.average(growth[below], weights=mass[below])),
+        "core_strain_path": float(np.average(path[core], weights=mass[core])),
+        "unsheared_share": float(still.sum() / below.sum()),
+    }
+    if still.any():
+        found["unexplained_densification"] = float(-np.average(growth[still], weights=mass[still]))
+    seconds = final["time_s"] - filled["time_s"]
+    pressure = np.maximum(-final["stress"][:, :3].sum(axis=1) / 3.0, 1.0)
+    inertial = np.sqrt(2.0) * path / seconds * scene.sand.d50_m * np.sqrt(scene.sand.grain_density_kg_per_m3 / pressure)
+    found["inertial_number_99th_percentile"] = float(np.percentile(inertial[below], 99))
+    return found
+
+
+def noise(force: pd.Series, interval_s: pd.Series, span_s: float) -> float:
+    """RMS of a force about its moving mean, over its mean."""
+    smooth = _rolling(force, interval_s, span_s)
+    return float(np.sqrt(((force - smooth) ** 2).mean()) / force.mean())
+
+
+def _rolling(values: pd.Series, interval_s: pd.Series, span_s: float) -> pd.Series:
+    rows = max(1, round(span_s / interval_s.median()))
+    return values.rolling(rows, center=True, min_periods=rows).mean()
+
+
+def _range(values: pd.Series) -> list[float]:
+    return [float(values.min()), float(values.max())]

@@ -1,0 +1,55 @@
+"""Stops a run that has gone wrong, and says when, where and why."""
+
+import numpy as np
+
+from taichi_silo.faults import RunFailed
+from taichi_silo.observers import Observer
+
+LONGEST_STEP = 1.5  # over the stable one; beyond, sand ratchets long before it explodes
+LOOSEST = 3.0  # void ratio: a point whose domain is twice that of its initial state is no continuum
+
+
+class Guard(Observer):
+    """Checks each record.
+
+    Raises
+    ------
+    RunFailed
+        from `observe`, naming the time, the place and the likely cause.
+
+    """
+
+    def begin(self, simulation) -> None:
+        """Remember whom to look at."""
+        self.simulation = simulation
+
+    def observe(self, record) -> None:
+        """Points lost or not finite, void ratio out of bounds, step too long."""
+        when = f"at t = {record.time_s:.4f} s ({record.stage}, u = {1e3 * record.displacement_m:.3f} mm)"
+        if record.strays:
+            raise RunFailed(
+                f"{when} {record.strays} points left the silo or are not finite, the first near {self._where('stray')}; "
+                f"a time step too large is the likely cause (it was {1e6 * record.time_step_s:.1f} us)"
+            )
+        if record.time_step_s > LONGEST_STEP * record.stable_step_s:
+            raise RunFailed(
+                f"{when} the time step of {1e6 * record.time_step_s:.1f} us is above {LONGEST_STEP} times the stable "
+                f"one of {1e6 * record.stable_step_s:.1f} us; let it be chosen, or give a smaller one"
+            )
+        if record.void_ratio_low < 0.5 * self.simulation.scene.sand.e_d0 or record.void_ratio_high > LOOSEST:
+            raise RunFailed(
+                f"{when} the void ratio reaches {record.void_ratio_low:.3f} to {record.void_ratio_high:.3f} near "
+                f"{self._where('void ratio')}; noise has compacted the sand, or a point has separated from it"
+            )
+
+    def _where(self, what: str) -> str:
+        points = self.simulation.points()
+        if what == "stray":
+            x, y = points["position"].T
+            silo = self.simulation.scene.silo
+            inside = np.isfinite(points["stress"]).all(axis=1) & (x > 0) & (x < silo.width_m)
+            index = int(np.argmin(inside))
+        else:
+            index = int(np.argmax(np.abs(points["void_ratio"] - self.simulation.scene.sand.void_ratio)))
+        x, y = points["position"][index]
+        return f"x = {1e3 * x:.1f} mm, y = {1e3 * y:.1f} mm"

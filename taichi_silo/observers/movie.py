@@ -1,0 +1,75 @@
+"""The film of a run: `void_ratio.mp4`."""
+
+from pathlib import Path
+
+from taichi_silo.observers import Observer
+from taichi_silo.observers.film import Film
+
+FRAMES_PER_SECOND = 30
+FLOW_FRAMES, FILLING_FRAMES = 405, 45  # 15 s
+
+
+class Movie(Observer):
+    """A frame each time the bottom has moved, or the filling has taken, a fixed share of the whole."""
+
+    def __init__(self, file: Path):
+        self.file = file
+
+    def begin(self, simulation) -> None:
+        """Open the film."""
+        self.simulation, scene = simulation, simulation.scene
+        settling = 10.0 * simulation.period  # an estimate; a longer rest adds no frames
+        self.filling_span = scene.method.filling_time_s + settling
+        self.drawn = {"filling": 0, "flow": 0}
+        self.film = Film(
+            self.file,
+            width_m=scene.silo.width_m,
+            height_m=scene.silo.height_m,
+            displacement_m=scene.flow.displacement_m,
+            spacing_m=simulation.spacing,
+            weight_N_per_m=scene.weight_N_per_m,
+            void_ratio_range=void_ratio_range(scene),
+            title=title(scene),
+            frames_per_second=FRAMES_PER_SECOND,
+        )
+
+    def observe(self, record) -> None:
+        """Extend the curves, and draw when a frame is due."""
+        self.film.add_forces(
+            record.displacement_m, record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m
+        )
+        flowing = record.stage == "flow"
+        frames = FLOW_FRAMES if flowing else FILLING_FRAMES
+        part = (
+            record.displacement_m / self.simulation.scene.flow.displacement_m
+            if flowing
+            else record.time_s / self.filling_span
+        )
+        due = min(frames, int(part * frames + 1e-9))
+        if due > self.drawn[record.stage]:
+            points = self.simulation.points()
+            for _ in range(due - self.drawn[record.stage]):  # a fast bottom: frames repeat, the film keeps its length
+                self.film.add_frame(
+                    points["position"], points["void_ratio"], time_s=record.time_s, stage=record.stage,
+                    displacement_m=record.displacement_m,
+                )  # fmt: skip
+            self.drawn[record.stage] = due
+
+    def end(self) -> None:
+        """Close the film, also a short one."""
+        self.film.close()
+
+
+def void_ratio_range(scene) -> tuple[float, float]:
+    """Ends of the colours: from the initial to the critical void ratio, and a little beyond."""
+    low, high = sorted((scene.sand.void_ratio, scene.sand.e_c0))
+    margin = max(0.1 * (high - low), 0.02)
+    return low - margin, high + margin
+
+
+def title(scene) -> str:
+    """What is seen."""
+    walls = "very rough walls"
+    if scene.walls.kind == "smooth":
+        walls = f"smooth walls ({scene.wall_friction_angle_deg:g}°)"
+    return f"{scene.sand.name} sand, e₀ = {scene.sand.void_ratio:.2f}, {walls}"

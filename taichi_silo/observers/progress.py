@@ -1,0 +1,66 @@
+"""The progress line."""
+
+import sys
+import time
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn
+
+from taichi_silo.observers import Observer
+
+LINE_EVERY = 0.1  # of the run, where no terminal shows a moving line
+SMOOTHING = 0.05  # of the forces shown
+
+
+class ProgressLine(Observer):
+    """Percentage, simulated and remaining time, and the present P, T, N."""
+
+    def __init__(self, console: Console | None = None):
+        self.console = console or Console(stderr=not sys.stdout.isatty())
+
+    def begin(self, simulation) -> None:
+        """Estimate the whole in simulated seconds."""
+        scene = simulation.scene
+        ramp = 0.5 * 5.0 * simulation.period
+        self.total = (
+            scene.method.filling_time_s + 5.0 * simulation.period + ramp
+            + scene.flow.displacement_m / scene.flow.speed_m_per_s
+        )  # fmt: skip
+        self.begun, self.printed, self.forces = time.monotonic(), 0.0, None
+        self.bar = None
+        if self.console.is_terminal:
+            self.bar = Progress(
+                TextColumn("{task.percentage:5.1f} %"), BarColumn(24), TextColumn("{task.description}"),
+                console=self.console,
+            )  # fmt: skip
+            self.task = self.bar.add_task("compiling", total=1.0)
+            self.bar.start()
+
+    def observe(self, record) -> None:
+        """Show the present state."""
+        now = (record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
+        if self.forces is None:
+            self.forces = now
+        self.forces = tuple(old + SMOOTHING * (new - old) for old, new in zip(self.forces, now, strict=True))
+        part = min(record.time_s / self.total, 1.0)
+        left = (time.monotonic() - self.begun) * (1.0 - part) / max(part, 1e-9)
+        p, t, n = (force / 1e3 for force in self.forces)
+        text = (
+            f"{record.stage:7s} t = {record.time_s:7.3f} s  u = {1e3 * record.displacement_m:6.2f} mm  "
+            f"{_clock(left)} left  P {p:.3f}  T {t:.3f}  N {n:.3f} kN/m"
+        )
+        if self.bar is not None:
+            self.bar.update(self.task, completed=part, description=text)
+        elif part >= self.printed + LINE_EVERY:
+            self.printed = part
+            self.console.print(f"{100 * part:5.1f} %  {text}", highlight=False, soft_wrap=True)
+
+    def end(self) -> None:
+        """Leave the last line on the screen."""
+        if self.bar is not None:
+            self.bar.stop()
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes:d}:{rest:02d}"

@@ -1,0 +1,161 @@
+"""What a run found, in one file: `summary.json`."""
+
+import dataclasses
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
+from taichi_silo.measure.certificate import certificate
+from taichi_silo.measure.shear_zones import interior_zone_count, wall_zone_thickness_m
+from taichi_silo.observers import Observer
+from taichi_silo.simulation import ROWS_PER_PERIOD
+from taichi_silo.theory.janssen import Janssen
+
+RESIDUAL_SHARE = 0.05  # of the final displacement: the last part, whose mean is the residual state
+PROFILE_BAND = (0.2, 0.8)  # of the height: where the pressure ratio is measured, away from surface and corner
+
+
+class Summary(Observer):
+    """Keeps what the certificate needs, and writes the file when the run ends, also when it failed."""
+
+    def __init__(self, file: Path):
+        self.file, self.failure = file, None
+
+    def begin(self, simulation) -> None:
+        """Start the clock."""
+        self.simulation, self.records, self.after_filling = simulation, [], None
+        self.started = time.monotonic()
+
+    def observe(self, record) -> None:
+        """Keep the record, less its profile."""
+        names = [f.name for f in dataclasses.fields(record) if f.name != "profile"]
+        derived = ("normal_N_per_m", "shear_N_per_m", "wall_friction_angle_deg", "residual_N_per_m")
+        self.records.append({name: getattr(record, name) for name in (*names, *derived)})
+
+    def filled(self) -> None:
+        """Keep the state after filling."""
+        self.after_filling = self._state()
+
+    def _state(self) -> dict:
+        simulation = self.simulation
+        return simulation.points() | {"displacement_m": simulation.displacement, "time_s": simulation.time}
+
+    def end(self) -> None:
+        """Write the file."""
+        simulation, seconds = self.simulation, time.monotonic() - self.started
+        scene, records = simulation.scene, pd.DataFrame(self.records)
+        found = {"finished": self.failure is None}
+        if self.failure is not None:
+            found["failure"] = str(self.failure)
+        if not records.empty:
+            found |= self._forces(records)
+            found["certificate"] = certificate(
+                records, self.after_filling, self._state(), scene, simulation.period, simulation.mass
+            )
+        if self.after_filling is not None:
+            found["janssen"] = self._janssen(found["filling"])
+            found["shear_zones"] = self._zones()
+        stepping = simulation.stepping_seconds
+        found["cost"] = {
+            "points": scene.points,
+            "steps": simulation.steps,
+            "time_step_s": simulation.time / max(simulation.steps, 1),
+            "seconds": stepping,
+            "particle_steps_per_second": scene.points * simulation.steps / max(stepping, 1e-9),
+            "wall_seconds": seconds,
+        }
+        temporary = self.file.with_suffix(".part")
+        temporary.write_text(json.dumps(_without_nan(found), indent=2) + "\n")
+        temporary.replace(self.file)
+
+    def _forces(self, records: pd.DataFrame) -> dict:
+        """State after filling, peaks in flow (means over one period) and residual state."""
+        filling, flow = records[records.stage == "filling"], records[records.stage == "flow"]
+        found = {"weight_N_per_m": self.simulation.mass * self.simulation.scene.method.gravity_m_per_s2}
+        if not filling.empty:
+            found["filling"] = _means(filling.tail(ROWS_PER_PERIOD))
+        if len(flow) < ROWS_PER_PERIOD:
+            return found
+        smooth = flow[list(NAMES)].rolling(ROWS_PER_PERIOD, center=True, min_periods=ROWS_PER_PERIOD).mean()
+        found["peak"] = {}
+        for name, extreme in (
+            ("bottom_N_per_m", "min"), ("shear_N_per_m", "max"), ("normal_N_per_m", "max"),
+            ("wall_friction_angle_deg", "max"),
+        ):  # fmt: skip
+            where = getattr(smooth[name], f"idx{extreme}")()
+            found["peak"][f"{extreme}_{name}"] = {
+                "value": float(smooth[name][where]),
+                "displacement_m": float(flow.displacement_m[where]),
+            }
+        last = flow[flow.displacement_m >= flow.displacement_m.max() * (1.0 - RESIDUAL_SHARE)]
+        found["residual"] = _means(last)
+        return found
+
+    def _janssen(self, filling: dict) -> dict:
+        """Theory at the law's own K0 and at the K measured in the sand, beside the forces after filling."""
+        scene, points = self.simulation.scene, self.after_filling
+        ratio = measured_pressure_ratio(points, scene, self.simulation.spacing)
+        angle = scene.wall_friction_angle_deg
+        if scene.walls.kind == "very-rough":
+            angle = filling["wall_friction_angle_deg"]
+        found = {
+            "wall_friction_angle_deg": angle,
+            "pressure_ratio_K0": rest_pressure_ratio(self.simulation.law, scene.sand.void_ratio),
+            "pressure_ratio_measured": ratio,
+        }
+        density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
+        for key in ("K0", "measured"):
+            theory = Janssen(scene.silo.width_m, scene.silo.height_m, density, angle, found[f"pressure_ratio_{key}"])
+            forces = (theory.normal_force_N_per_m, theory.shear_force_N_per_m, theory.bottom_force_N_per_m)
+            for name, value in zip(("normal_N_per_m", "shear_N_per_m", "bottom_N_per_m"), forces, strict=True):
+                found[f"{name}_{key}"] = float(value)
+                found[f"{name}_{key}_relative_difference"] = float(filling[name] / value - 1.0)
+        return found
+
+    def _zones(self) -> dict:
+        scene, points = self.simulation.scene, self._state()
+        position = points["position"] + [0.0, points["displacement_m"]]
+        found = {}
+        for side in ("left", "right"):
+            zone = wall_zone_thickness_m(
+                position, points["void_ratio"], self.after_filling["void_ratio"], scene.silo.width_m, side=side
+            )
+            found[side] = {
+                "thickness_m": zone.median_m,
+                "lower_quartile_m": zone.lower_quartile_m,
+                "upper_quartile_m": zone.upper_quartile_m,
+                "contractant": zone.contractant,
+            }
+        interior = interior_zone_count(position, points["void_ratio"], scene.silo.width_m)
+        found["interior_zones"] = {"count": interior.count, "height_m": [float(y) for y in interior.height_m]}
+        return found
+
+
+NAMES = ("bottom_N_per_m", "normal_N_per_m", "shear_N_per_m", "wall_friction_angle_deg")
+
+
+def _without_nan(value):
+    """JSON knows no NaN: null instead."""
+    if isinstance(value, dict):
+        return {key: _without_nan(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(inner) for inner in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def _means(rows: pd.DataFrame) -> dict:
+    return {name: float(rows[name].mean()) for name in NAMES}
+
+
+def measured_pressure_ratio(points: dict, scene, spacing_m: float) -> float:
+    """K: horizontal stress of the points next to the walls over the mean vertical stress at the same height."""
+    x, y = points["position"].T
+    horizontal, vertical = -points["stress"][:, 0], -points["stress"][:, 1]
+    low, high = (share * scene.silo.height_m for share in PROFILE_BAND)
+    band = (y > low) & (y < high)
+    wall = band & ((x < spacing_m) | (x > scene.silo.width_m - spacing_m))
+    return float(horizontal[wall].mean() / np.average(vertical[band], weights=points["volume"][band]))

@@ -1,0 +1,170 @@
+"""What the figures need from a run's folder. Whatever file is missing reads as empty."""
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pandas as pd
+
+from taichi_silo.theory.janssen import Janssen
+
+try:
+    import tomllib
+except ModuleNotFoundError:  # Python 3.10
+    import tomli as tomllib
+
+GRAVITY = 9.81  # m/s2
+TABLE_PRESSURE_RATIO = 0.45  # sand, EN 1991-4 table E.1
+REST_SPAN_S = 0.05  # the end of the filling stage over which the state at rest is averaged
+LOOSE_FROM = 0.75  # void ratio from which on the figures call sand loose
+
+
+@dataclass(frozen=True)
+class RunFiles:
+    """The files of one run.
+
+    Attributes
+    ----------
+    folder : Path
+        Where they are.
+    label : str
+        Name of the run in legends.
+    parameters, summary : dict
+        `run.toml` and `summary.json`.
+    forces, walls, snapshots : DataFrame
+        `forces.csv`, `walls.csv` and `snapshots/index.csv`.
+    """
+
+    folder: Path
+    label: str
+    parameters: dict
+    summary: dict
+    forces: pd.DataFrame
+    walls: pd.DataFrame
+    snapshots: pd.DataFrame
+
+    @classmethod
+    def read(cls, folder: Path, label: str = "") -> "RunFiles":
+        """Read the small files of a run; snapshots are read on demand."""
+        folder = Path(folder)
+        run_toml, summary = folder / "run.toml", folder / "summary.json"
+        return cls(
+            folder=folder,
+            label=label or folder.name,
+            parameters=tomllib.loads(run_toml.read_text()) if run_toml.exists() else {},
+            summary=json.loads(summary.read_text()) if summary.exists() else {},
+            forces=_table(folder / "forces.csv", ["stage", "time_s", "displacement_m"]),
+            walls=_table(folder / "walls.csv", ["state", "wall", "height_m"]),
+            snapshots=_table(folder / "snapshots/index.csv", ["file", "stage", "time_s", "displacement_m"]),
+        )
+
+    def parameter(self, table: str, name: str, default=None):
+        """Return a value of `run.toml`."""
+        return self.parameters.get(table, {}).get(name, default)
+
+    @property
+    def wall_kind(self) -> str:
+        """Kind of the walls: "smooth", "very-rough" or what else the run names."""
+        return self.parameter("walls", "kind", "")
+
+    @property
+    def void_ratio(self) -> float:
+        """Initial void ratio; nan if unknown."""
+        return self.parameter("sand", "void_ratio", float("nan"))
+
+    @property
+    def title(self) -> str:
+        """One line that says which sand and which walls."""
+        words = []
+        if np.isfinite(self.void_ratio):
+            words.append(sand_title(self.void_ratio))
+        angle = self.parameter("walls", "friction_angle_deg")
+        if self.wall_kind == "smooth" and angle is not None:
+            words.append(f"smooth walls ({angle:g}°)")
+        elif self.wall_kind:
+            words.append(self.wall_kind.replace("-", " ") + " walls")
+        return ", ".join(words) or self.label
+
+    @cached_property
+    def filling(self) -> pd.DataFrame:
+        """Rows of `forces.csv` while the silo is filled."""
+        return self.forces[self.forces["stage"] == "filling"]
+
+    @cached_property
+    def flow(self) -> pd.DataFrame:
+        """Rows of `forces.csv` while the bottom sinks."""
+        return self.forces[self.forces["stage"] == "flow"]
+
+    @property
+    def filled(self) -> pd.Series | None:
+        """Median of the last rows of the filling stage, or None."""
+        if self.filling.empty:
+            return None
+        last = self.filling["time_s"] > self.filling["time_s"].iloc[-1] - REST_SPAN_S
+        return self.filling[last].median(numeric_only=True)
+
+    @property
+    def wall_angle_deg(self) -> float | None:
+        """Friction angle along the walls: the wall's own, or of critical simple shear at very rough walls."""
+        if self.wall_kind == "very-rough":
+            critical = self.parameter("sand", "critical_friction_angle_deg")
+            return None if critical is None else critical_simple_shear_angle_deg(critical)
+        return self.parameter("walls", "friction_angle_deg")
+
+    @property
+    def pressure_ratios(self) -> dict[str, float]:
+        """Pressure ratios for Janssen's theory by origin: the law's and the measured one, or a table's."""
+        stored = self.summary.get("janssen", {})
+        names = {"K0 of the law": "pressure_ratio_K0", "K from measured N": "pressure_ratio_measured"}
+        known = {origin: stored[key] for origin, key in names.items() if (stored.get(key) or 0.0) > 0.0}
+        return known or {"K of EN 1991-4": TABLE_PRESSURE_RATIO}
+
+    def janssen(self, pressure_ratio: float) -> Janssen | None:
+        """Return Janssen's theory of this silo, or None if the run does not say enough about itself."""
+        width, height = self.parameter("silo", "width_m"), self.parameter("silo", "height_m")
+        density, angle = self.parameter("sand", "grain_density_kg_per_m3"), self.wall_angle_deg
+        if None in (width, height, density, angle) or not np.isfinite(self.void_ratio):
+            return None
+        return Janssen(width, height, density * GRAVITY / (1.0 + self.void_ratio), angle, pressure_ratio)
+
+    def read_snapshot(self, file: str):
+        """Return points (n, 2) [m], void ratio (n,) and side (n,) [m] of the square each point stands for."""
+        mesh = meshio.read(self.folder / "snapshots" / file)
+        volume = mesh.point_data["volume_m2_per_m"]
+        return mesh.points[:, :2], np.ravel(mesh.point_data["void_ratio"]), np.sqrt(np.ravel(volume))
+
+
+def _table(path: Path, columns: list[str]) -> pd.DataFrame:
+    """Return a table, or an empty one with these columns if the file is not there or has no content yet."""
+    try:
+        return pd.read_csv(path, on_bad_lines="skip")
+    except (FileNotFoundError, pd.errors.EmptyDataError):
+        return pd.DataFrame(columns=columns)
+
+
+def sand_title(void_ratio: float) -> str:
+    """Return the name of a sand of this initial void ratio."""
+    return f"initially {'loose' if void_ratio >= LOOSE_FROM else 'dense'} sand ($e_0$ = {void_ratio:.2f})"
+
+
+def by_void_ratio(runs) -> list[list[RunFiles]]:
+    """Return the runs in groups of equal initial void ratio, densest first."""
+    groups = {}
+    for run in runs:
+        groups.setdefault(round(run.void_ratio, 3) if np.isfinite(run.void_ratio) else 9.0, []).append(run)
+    return [groups[void_ratio] for void_ratio in sorted(groups)]
+
+
+def critical_simple_shear_angle_deg(critical_friction_angle_deg: float) -> float:
+    """Return arctan(shear / normal stress) of the Gudehus-Bauer law in critical simple shear [degrees].
+
+    All normal stresses are then equal, cos(3 theta) is 0 and the stress deviator's norm is x = a1, where
+    1 / a1 = c1 + c2 x; the ratio is 3 x / sqrt(2). Values of c1 and c2: Bauer (1996).
+    """
+    sine = np.sin(np.radians(critical_friction_angle_deg))
+    c1, c2 = np.sqrt(3.0 / 8.0) * (3.0 - sine) / sine, 3.0 / 8.0 * (3.0 + sine) / sine
+    x = (np.sqrt(c1**2 + 4.0 * c2) - c1) / (2.0 * c2)
+    return float(np.degrees(np.arctan(3.0 * x / np.sqrt(2.0))))

@@ -1,0 +1,62 @@
+"""The look shared by all figures: colours that colour-blind readers tell apart, sizes, a light grid."""
+
+from matplotlib.figure import Figure
+
+BLACK, BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (  # palette of Okabe and Ito
+    "#000000",
+    "#0072B2",
+    "#D55E00",
+    "#009E73",
+    "#CC79A7",
+    "#E69F00",
+    "#56B4E9",
+)
+REFERENCE = "#555555"  # theory and reference lines
+
+STYLE = {
+    "font.size": 12,
+    "axes.titlesize": 12.5,
+    "axes.labelsize": 12,
+    "legend.fontsize": 11,
+    "figure.titlesize": 14,
+    "savefig.dpi": 150,
+    "figure.dpi": 150,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#404040",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#E4E4E4",
+    "grid.linewidth": 0.8,
+    "lines.linewidth": 2.0,
+    "lines.solid_capstyle": "round",
+    "legend.frameon": False,
+    "legend.handlelength": 2.0,
+    "mathtext.default": "regular",
+}
+
+
+def new_figure(width_in: float, height_in: float) -> Figure:
+    """Return an empty figure that arranges its own margins and belongs to no global state."""
+    figure = Figure(figsize=(width_in, height_in), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.06, h_pad=0.06)
+    return figure
+
+
+def start_at_zero(panels, axis: str):
+    """Let the x or y axis of finished panels start at zero, or below it where data go clearly below."""
+    panels = list(panels)
+    low = min(getattr(panel.dataLim, f"{axis}min") for panel in panels)
+    high = max(getattr(panel.dataLim, f"{axis}max") for panel in panels)
+    for panel in panels:
+        getattr(panel, f"set_{axis}lim")(low if low < -0.05 * abs(high) else 0.0)
+
+
+def line_colors(runs) -> list[str]:
+    """Return a colour for each run: blue for smooth walls, vermillion for very rough ones, then any other."""
+    colors = []
+    for run in runs:
+        wanted = {"smooth": BLUE, "very-rough": VERMILLION}.get(run.wall_kind, GREEN)
+        order = (wanted, GREEN, PURPLE, ORANGE, SKY, BLACK, BLUE, VERMILLION)
+        colors.append(next((color for color in order if color not in colors), BLACK))
+    return colors

@@ -1,0 +1,104 @@
+"""Normal and shear stress along the walls against height (Fig. 13 of the paper)."""
+
+import numpy as np
+
+from taichi_silo.plots.style import BLACK, BLUE, REFERENCE, VERMILLION, new_figure, start_at_zero
+
+STATES = {
+    "filling": (BLACK, "after filling"),
+    "maximum": (VERMILLION, "maximum (N largest)"),
+    "residual": (BLUE, "residual"),
+}
+STRESSES = {"normal_stress_Pa": "wall normal stress (kPa)", "shear_stress_Pa": "wall shear stress (kPa)"}
+
+
+def run_wall_stress_figure(run):
+    """Return the figure of one run, or None without wall profiles."""
+    if not _has_profiles(run):
+        return None
+    figure = new_figure(10.5, 6.4)
+    panels = figure.subplots(1, 2, sharey=True)
+    for panel, quantity in zip(panels, STRESSES, strict=True):
+        _draw(panel, run, quantity)
+        panel.set_xlabel(STRESSES[quantity])
+        start_at_zero([panel], "x")
+    panels[0].set_ylabel("height above the initial bottom (mm)")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    figure.suptitle(f"Wall stresses: {run.title}")
+    return figure
+
+
+def case_wall_stress_figure(runs):
+    """Return the figure of several runs, a column each: normal stresses above, shear stresses below."""
+    runs = [run for run in runs if _has_profiles(run)]
+    if not runs:
+        return None
+    figure = new_figure(1.2 + 3.6 * len(runs), 11.0)
+    panels = figure.subplots(2, len(runs), squeeze=False, sharex="row", sharey=True)
+    for column, run in enumerate(runs):
+        for row, quantity in enumerate(STRESSES):
+            _draw(panels[row, column], run, quantity, name_origin=False)
+            panels[row, column].set_xlabel(STRESSES[quantity])
+        panels[0, column].set_title(f"{chr(97 + column)}) {run.label}")
+    for row in panels:
+        row[0].set_ylabel("height (mm)")
+        start_at_zero(row, "x")
+    handles = {}
+    for panel in panels[0]:
+        lines, labels = panel.get_legend_handles_labels()
+        handles.update(zip(labels, lines, strict=True))
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=5)
+    figure.suptitle("Wall stresses (bold: mean of both walls)")
+    return figure
+
+
+def _has_profiles(run) -> bool:
+    return bool(run.walls["wall"].isin(["left", "right"]).any())
+
+
+def _draw(panel, run, quantity: str, name_origin: bool = True):
+    """Draw one stress [kPa] against height [mm] for all states, with Janssen's theory."""
+    for state, (color, label) in STATES.items():
+        profiles = [_profile(run, state, wall, quantity) for wall in ("left", "right")]
+        profiles = [profile for profile in profiles if len(profile[0])]
+        for height, stress in profiles:
+            panel.plot(stress / 1e3, 1e3 * height, color=color, alpha=0.35, linewidth=0.9)
+        if profiles:
+            height = profiles[0][0]
+            mean = np.mean([np.interp(height, *profile) for profile in profiles], axis=0)
+            panel.plot(mean / 1e3, 1e3 * height, color=color, linewidth=2.2, label=label, zorder=3)
+    _draw_janssen(panel, run, quantity, name_origin)
+
+
+def _profile(run, state: str, wall: str, quantity: str):
+    """Return height [m] and stress [Pa] along one wall, rising."""
+    rows = run.walls[(run.walls["state"] == state) & (run.walls["wall"] == wall)].sort_values("height_m")
+    return rows["height_m"].to_numpy(), rows[quantity].to_numpy()
+
+
+def _draw_janssen(panel, run, quantity: str, name_origin: bool):
+    """Draw Janssen's stress for each stored pressure ratio; for very rough walls only for the law's own one.
+
+    A measured ratio assumes that the walls slip, which very rough ones do not.
+    """
+    ratios = run.pressure_ratios
+    if run.wall_kind == "very-rough":
+        ratios = dict(list(ratios.items())[:1])
+    for (origin, ratio), line in zip(ratios.items(), ("--", ":"), strict=False):
+        fill = run.janssen(ratio)
+        if fill is None:
+            return
+        height = np.linspace(0.0, fill.height_m, 101)
+        stress = fill.normal_stress_Pa if quantity == "normal_stress_Pa" else fill.shear_stress_Pa
+        label = f"Janssen, {origin}"
+        if name_origin:
+            label += f" = {ratio:.2f}, $\\varphi_w$ = {fill.wall_friction_angle_deg:.3g}°"
+        panel.plot(
+            stress(fill.height_m - height) / 1e3,
+            1e3 * height,
+            color=REFERENCE,
+            linestyle=line,
+            zorder=3.5,
+            label=label,
+        )

@@ -1,0 +1,97 @@
+"""One run: a scene, its observers, and the folder they leave."""
+
+import time
+from pathlib import Path
+
+from taichi_silo import folder as run_folder
+from taichi_silo import runtime
+from taichi_silo.faults import BadInput
+from taichi_silo.observers import Observer
+from taichi_silo.observers.checkpoint import Checkpoint
+from taichi_silo.observers.forces import BALANCE, FORCES, Table
+from taichi_silo.observers.guard import Guard
+from taichi_silo.observers.movie import Movie
+from taichi_silo.observers.profiles import WallProfiles
+from taichi_silo.observers.snapshots import Snapshots
+from taichi_silo.observers.summary import Summary
+from taichi_silo.scene import Scene
+from taichi_silo.simulation import Simulation
+
+FIGURE_DISPLACEMENTS_M = (0.002, 0.005, 0.010, 0.020)  # of the paper's figure 12, after the state at 0
+
+
+def run(scene: Scene, folder: Path, *, overwrite: bool = False, film: bool = True, extra: tuple = ()) -> Path:
+    """Simulate a scene and leave its folder.
+
+    Parameters
+    ----------
+    scene : what to simulate.
+    folder : where to leave it.
+    overwrite : replace a run that is there.
+    film : whether to draw the film.
+    extra : further observers.
+
+    Returns
+    -------
+    The folder.
+
+    Raises
+    ------
+    BadInput
+        before any work, if the folder or the processor cannot be used.
+    RunFailed
+        if the run went wrong; the folder then holds everything up to that time.
+
+    """
+    try:
+        runtime.init(scene.machine.arch, scene.machine.threads)
+    except runtime.ArchitectureError as error:
+        raise BadInput(str(error)) from error
+    folder = run_folder.claim(folder, overwrite)
+    begun = time.time()
+    simulation = Simulation(scene)
+    summary = Summary(folder / "summary.json")
+    wanted = {u for u in FIGURE_DISPLACEMENTS_M if u < scene.flow.displacement_m}
+    observers: list[Observer] = [
+        Table(folder / "forces.csv", FORCES),
+        Table(folder / "balance.csv", BALANCE),
+        WallProfiles(folder / "walls.csv"),
+        Snapshots(folder, wanted | {scene.flow.displacement_m}),
+        Checkpoint(folder / "checkpoint.npz"),
+        summary,
+        *([Movie(folder / "void_ratio.mp4")] if film else []),
+        *extra,
+        Guard(),  # last: the others have seen what it stops at
+    ]
+    started = []
+    try:
+        for observer in observers:
+            observer.begin(simulation)
+            started.append(observer)
+        run_folder.write_parameters(folder, scene, {"wall_seconds": 0.0})
+        for record in simulation.fill():
+            _show(observers, record)
+        for observer in observers:
+            observer.filled()
+        for record in simulation.flow():
+            _show(observers, record)
+    except BaseException as error:
+        summary.failure = error if str(error) else type(error).__name__
+        raise
+    finally:
+        for observer in started:
+            observer.end()
+        run_folder.write_parameters(folder, scene, {"wall_seconds": round(time.time() - begun, 3)})
+        _draw(folder)
+    return folder
+
+
+def _show(observers, record) -> None:
+    for observer in observers:
+        observer.observe(record)
+
+
+def _draw(folder: Path) -> None:
+    from taichi_silo.plots import plot_run  # matplotlib is slow to import, and only the end needs it
+
+    plot_run(folder)

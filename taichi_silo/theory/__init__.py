@@ -1,0 +1,1 @@
+"""Closed-form theories that a simulation is compared with."""
