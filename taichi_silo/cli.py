@@ -22,7 +22,13 @@ def command(function: Callable) -> None:
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
     app.command()(function)
     try:
-        app()
+        sys.exit(app(standalone_mode=False) or 0)
+    except typer.BadParameter as error:
+        _stop(_bad_flag(error), BAD_INPUT)
+    except typer.BadParameter.__base__ as error:  # an unknown flag, a flag without its value
+        _stop(error.format_message().rstrip("."), BAD_INPUT)
+    except typer.Abort:
+        _stop("stopped; everything up to then is kept", STOPPED)
     except ValidationError as error:
         _stop(one_sentence(error), BAD_INPUT)
     except BadInput as error:
@@ -31,6 +37,12 @@ def command(function: Callable) -> None:
         _stop(f"the run went wrong {error}; everything up to then is kept", FAILED)
     except KeyboardInterrupt:
         _stop("stopped; everything up to then is kept", STOPPED)
+
+
+def _bad_flag(error: typer.BadParameter) -> str:
+    flag = error.param.opts[0] if error.param is not None else "a flag"
+    given = sys.argv[sys.argv.index(flag) + 1] if flag in sys.argv[:-1] else "not given"
+    return f"{flag} is {given}; {error.message[:1].lower()}{error.message[1:].rstrip('.')}"
 
 
 def _stop(sentence: str, code: int) -> None:

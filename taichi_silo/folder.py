@@ -2,6 +2,7 @@
 
 import platform
 import subprocess
+import tomllib
 from importlib.metadata import version
 from pathlib import Path
 
@@ -10,11 +11,6 @@ from pydantic import ValidationError
 
 from taichi_silo.faults import BadInput
 from taichi_silo.scene import Scene, one_sentence
-
-try:
-    import tomllib
-except ModuleNotFoundError:  # Python 3.10
-    import tomli as tomllib
 
 MADE = "run.toml"  # its presence says that the folder holds a run
 

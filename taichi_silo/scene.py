@@ -46,11 +46,17 @@ class Sand(_Table):
     @model_validator(mode="after")
     def _ordered(self):
         if not self.e_d0 < self.e_c0 < self.e_i0:
-            raise ValueError(f"limits of the void ratio are {self.e_d0}, {self.e_c0}, {self.e_i0}; e_d0 < e_c0 < e_i0 must hold")
+            raise ValueError(
+                f"limits of the void ratio are {self.e_d0}, {self.e_c0}, {self.e_i0}; e_d0 < e_c0 < e_i0 must hold"
+            )
         if self.law().h_i <= 0:
-            raise ValueError(f"alpha is {self.alpha}; with these void ratios it gives h_i <= 0, a smaller one is needed")
+            raise ValueError(
+                f"alpha is {self.alpha}; with these void ratios it gives h_i <= 0, a smaller one is needed"
+            )
         if not self.e_d0 < self.void_ratio < self.e_i0:
-            raise ValueError(f"void ratio is {self.void_ratio}; it must lie between e_d0 = {self.e_d0} and e_i0 = {self.e_i0}")
+            raise ValueError(
+                f"void ratio is {self.void_ratio}; it must lie between e_d0 = {self.e_d0} and e_i0 = {self.e_i0}"
+            )
         return self
 
     def law(self) -> GudehusBauer:
@@ -108,7 +114,7 @@ class Machine(_Table):
     """Where it is computed."""
 
     arch: Literal["cpu", "cuda"] = "cpu"
-    threads: int = Field(1, ge=1)
+    threads: int = Field(default_factory=lambda: min(2, os.cpu_count() or 1), ge=1)
 
     @field_validator("threads")
     @classmethod
@@ -137,13 +143,13 @@ class Scene(_Table):
             cells = length / h
             if abs(cells - round(cells)) > 1e-6 or round(cells) < 2:
                 raise ValueError(
-                    f"cell size is {h} m; it must divide the {name} of {length} m into a whole number of at least 2 cells"
+                    f"cell size is {h} m; it must divide the {name} of {length} m into at least 2 whole cells"
                 )
         if self.points > MOST_POINTS:
             raise ValueError(f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed")
         if self.flow.displacement_m > self.silo.height_m:
             raise ValueError(
-                f"displacement is {self.flow.displacement_m} m; it must be at most the fill height of {self.silo.height_m} m"
+                f"displacement is {self.flow.displacement_m} m; it must be at most the fill height, {self.silo.height_m} m"
             )
         return self
 
@@ -186,5 +192,3 @@ def one_sentence(error: ValidationError) -> str:
         return f"{name} is not a parameter of a scene"
     rule = f"it must {' and '.join(rules)}" if rules else message.lower()
     return f"{name} is {first['input']}; {rule}"
-
-

@@ -21,7 +21,7 @@ class Step:
     """What varies from step to step."""
 
     dt: real  # [s]
-    gravity: real  # downwards [m/s2]
+    gravity: real  # [m/s2]
     frame_velocity: real  # of the grid and the bottom plate, upwards [m/s]
     filling_drag: real  # [1/s]
 
@@ -57,7 +57,7 @@ class Solver:
     law : of `taichi_silo.laws`.
     walls : tuple of walls of `taichi_silo.walls`, applied in this order.
     control : noise control.
-    gravity : [m/s2], downwards.
+    down : unit vector along which gravity acts.
     shared : one launch a phase with atomic sums, as on a GPU; the default on the CPU gives every thread its own
         strip of points and copy of the sums, and many steps a launch.
 
@@ -65,10 +65,11 @@ class Solver:
 
     def __init__(
         self, particles: Particles, grid: Grid, shape, law, walls=(), control: NoiseControl | None = None,
-        shared: bool | None = None,
+        down=(0.0, -1.0), shared: bool | None = None,
     ):  # fmt: skip
         self.particles, self.grid, self.shape, self.law = particles, grid, shape, law
         self.walls, self.control = tuple(walls), control or NoiseControl()
+        self.down = ti.Vector([float(down[0]), float(down[1])])
         self.shared = not runtime.is_cpu() if shared is None else shared
         self.threads = 1 if self.shared else runtime.threads()
         if not self.shared and grid.copies != self.threads:
@@ -101,7 +102,9 @@ class Solver:
     @ti.func
     def _at(self, number, steps, dt, g0, g1, f0, f1, filling_drag):
         part = (number + 0.5) / steps
-        return Step(dt=dt, gravity=g0 + part * (g1 - g0), frame_velocity=f0 + part * (f1 - f0), filling_drag=filling_drag)
+        return Step(
+            dt=dt, gravity=g0 + part * (g1 - g0), frame_velocity=f0 + part * (f1 - f0), filling_drag=filling_drag
+        )
 
     @ti.kernel
     def _step_shared(
@@ -112,7 +115,9 @@ class Solver:
         for k in range(self.grid.nodes):
             step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
             j = k // self.grid.columns
-            integrate_node(self.grid, self.walls, self.control, self.books, k - j * self.grid.columns, j, step)
+            integrate_node(
+                self.grid, self.walls, self.control, self.books, self.down, k - j * self.grid.columns, j, step
+            )
         for p in range(self.particles.count):
             step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
             gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
@@ -126,7 +131,7 @@ class Solver:
                 scatter(self.particles, self.grid, self.shape, p, 0, False)
             for j in range(self.grid.rows):
                 for i in range(self.grid.columns):
-                    integrate_node(self.grid, self.walls, self.control, self.books, i, j, step)
+                    integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step)
             for p in range(self.particles.count):
                 gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
 
@@ -145,7 +150,7 @@ class Solver:
                 self._wait(passed + self.threads * (2 * number + 1))
                 for j in range(low, high):
                     for i in range(self.grid.columns):
-                        integrate_node(self.grid, self.walls, self.control, self.books, i, j, step)
+                        integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step)
                 self._wait(passed + self.threads * (2 * number + 2))
                 for p in range(first, last):
                     gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
@@ -168,22 +173,22 @@ class Solver:
         Returns
         -------
         kinetic_energy [J/m], momentum (vertical) [kg m/s /m], stable_step: h / (c + |v|) times the shape's stable
-        fraction, least over the points [s]; void_ratio_low, void_ratio_high; strays: points outside the grid or not
-        finite; speed: greatest [m/s].
+        fraction, least over the points [s]; void_ratio_low: least; separated: points that carry no stress;
+        strays: points outside the grid or not finite; speed: greatest [m/s].
 
         """
         self._survey()
-        energy, momentum, step, low, high, strays, speed, _ = self.found.to_numpy()
+        energy, momentum, step, low, separated, strays, speed, _ = self.found.to_numpy()
         return SimpleNamespace(
             kinetic_energy=energy, momentum=momentum, stable_step=step * self.shape.stable_fraction,
-            void_ratio_low=low, void_ratio_high=high, strays=int(strays), speed=speed,
+            void_ratio_low=low, separated=int(separated), strays=int(strays), speed=speed,
         )  # fmt: skip
 
     @ti.kernel
     def _survey(self):
-        for k in range(1):
-            self.found[0], self.found[1], self.found[5], self.found[6] = 0.0, 0.0, 0.0, 0.0
-            self.found[2], self.found[3], self.found[4] = 1e30, 1e30, -1e30
+        for _ in range(1):
+            self.found[0], self.found[1], self.found[4], self.found[5], self.found[6] = 0.0, 0.0, 0.0, 0.0, 0.0
+            self.found[2], self.found[3] = 1e30, 1e30
         ti.loop_config(serialize=True)
         for p in range(self.particles.count):
             v, x, s = self.particles.velocity[p], self.particles.position[p], self.particles.stress[p]
@@ -195,7 +200,8 @@ class Solver:
             self.found[1] += m * v[1]
             ti.atomic_min(self.found[2], self.grid.cell_size / (c + speed))
             ti.atomic_min(self.found[3], e)
-            ti.atomic_max(self.found[4], e)
+            if -trace((s[0], s[1], s[2], s[3])) <= 3.0 * self.law.rest_stress * (1.0 + 1e-9):
+                self.found[4] += 1.0
             ti.atomic_max(self.found[6], speed)
             h = self.grid.cell_size
             inside = x[0] > -h and x[0] < (self.grid.columns - 4) * h and x[1] > -h and x[1] < (self.grid.rows - 4) * h

@@ -51,7 +51,10 @@ def scatter(particles: ti.template(), grid: ti.template(), shape: ti.template(),
 
 
 @ti.func
-def integrate_node(grid: ti.template(), walls: ti.template(), control: ti.template(), books: ti.template(), i, j, step):
+def integrate_node(
+    grid: ti.template(), walls: ti.template(), control: ti.template(), books: ti.template(), down: ti.template(),
+    i, j, step,
+):  # fmt: skip
     """Equation of motion of node (i, j), noise control and walls; empties the sums for the next step."""
     k = j * grid.columns + i
     m, momentum, force = grid.mass[k], grid.momentum[k], grid.force[k]
@@ -66,7 +69,7 @@ def integrate_node(grid: ti.template(), walls: ti.template(), control: ti.templa
             grid.momentum[other] = ti.Vector([0.0, 0.0])
             grid.force[other] = ti.Vector([0.0, 0.0])
         old = momentum / m
-        new = old + step.dt * (force / m + ti.Vector([0.0, -step.gravity]))
+        new = old + step.dt * (force / m + step.gravity * down)
         if ti.static(control.drag > 0.0 or control.filling_drag > 0.0):
             braking = -step.dt * (control.drag * (old - grid.memory[k]) + step.filling_drag * old)
             new += braking

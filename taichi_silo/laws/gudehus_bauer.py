@@ -17,7 +17,6 @@ from taichi_silo.tensors import (
     chosen,
     inner,
     largest_principal,
-    norm,
     scaled,
     shifted,
     trace,

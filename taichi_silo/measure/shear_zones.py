@@ -12,7 +12,6 @@ the free surface and at the bottom, which the default `heights` leave out.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator
 from scipy.signal import find_peaks
 from scipy.spatial import cKDTree
 
@@ -186,13 +185,10 @@ def _rows(points, heights, spacing: float, step: float | None = None):
 
 
 def _sample(points, value, x, y):
-    """Return the field (len(y), len(x)), linear between points, the nearest point's value outside of them."""
-    grid = np.stack(np.meshgrid(x, y), axis=-1)
-    field = LinearNDInterpolator(points, value)(grid)
-    outside = np.isnan(field)
-    if outside.any():
-        field[outside] = value[cKDTree(points).query(grid[outside])[1]]
-    return field
+    """Return the field (len(y), len(x)): the four nearest points, weighted by 1 / distance^2."""
+    distance, neighbour = cKDTree(points).query(np.stack(np.meshgrid(x, y), axis=-1), k=4)
+    weight = 1.0 / (distance**2 + 1e-6 * np.median(distance) ** 2)  # finite on a point
+    return np.sum(weight * value[neighbour], axis=-1) / np.sum(weight, axis=-1)
 
 
 def _first_fall(distance, relative, threshold: float) -> float:

@@ -93,13 +93,13 @@ class Canvas:
     ):
         self.displacement_m = displacement_m
         self.top_force = 1.1 * weight_N_per_m
-        self.plate_m = 0.02 * height_m
+        self.plate_m = 0.02 * max(height_m, width_m)
         self.top_m = 1.015 * height_m
         depth = self.top_m + displacement_m + self.plate_m
-        columns = max(1, round(width_m * min(870 / depth, 600 / width_m)))
+        columns = max(1, round(width_m * min(870 / depth, 480 / width_m)))
         self.pixels_per_metre = columns / width_m
         rows = max(1, round(depth * self.pixels_per_metre))
-        self.panel = Box(170, 980 - rows, columns, rows)
+        self.panel = Box(170, 545 - rows // 2, columns, rows)
         left = self.panel.left + columns + 385
         self.plot = Box(left, 310, RIGHT - left, 670)
         self.background = self._furniture(width_m, height_m, weight_N_per_m, void_ratio_range, title)
@@ -108,6 +108,8 @@ class Canvas:
         self._drawn: np.ndarray | None = None  # (3, 2) where each curve ends so far, pixels of the plot
         self._tip: np.ndarray | None = None  # (3, 2) the newest points, pixels of the plot
         self._forces = np.full(len(FORCES), np.nan)
+        # four digits at most: the readings must fit their columns
+        self._decimals = int(np.clip(3 - np.floor(np.log10(1e-3 * weight_N_per_m)), 0, 3))
 
     def _furniture(self, width_m, height_m, weight, void_ratio_range, title) -> np.ndarray:
         """Draw all that never changes; return the page (1080, 1920, 3) of bytes."""
@@ -116,35 +118,35 @@ class Canvas:
         figure = Figure(figsize=(WIDTH / 72, HEIGHT / 72), dpi=72, facecolor="white")
         canvas = FigureCanvasAgg(figure)
         ink = tuple(channel / 255 for channel in INK)
-        look = {"labelsize": 24, "length": 8, "width": 2, "color": ink, "labelcolor": ink}
+        look = {"labelsize": 26, "length": 8, "width": 2, "color": ink, "labelcolor": ink}
 
         silo = figure.add_axes(panel.fractions)
         bottom_m = self.top_m - panel.rows / self.pixels_per_metre
         silo.set(xlim=(0, 1e3 * width_m), ylim=(1e3 * bottom_m, 1e3 * self.top_m), facecolor="#f3f3f3")
-        silo.set_xlabel("x (mm)", fontsize=26, color=ink)
-        silo.set_ylabel("y (mm)", fontsize=26, color=ink)
-        silo.xaxis.set_major_locator(MaxNLocator(2 if panel.columns < 300 else 4, steps=[1, 2, 5, 10]))
+        silo.set_xlabel("x (mm)", fontsize=28, color=ink)
+        silo.set_ylabel("y (mm)", fontsize=28, color=ink)
+        silo.xaxis.set_major_locator(MaxNLocator(min(4, 1 + panel.columns // 100), steps=[1, 2, 5, 10]))
         silo.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         silo.spines[:].set_visible(False)
         for side in ("left", "bottom"):
             silo.spines[side].set_position(("outward", WALL))
         silo.tick_params(**look)
 
-        rows = round(0.62 * panel.rows)
+        rows = max(round(0.62 * panel.rows), 300)
         bar_box = Box(panel.left + panel.columns + 70, panel.top + (panel.rows - rows) // 2, 36, rows)
         colours = ScalarMappable(Normalize(*void_ratio_range), COLOUR_MAP)
         bar = figure.colorbar(colours, cax=figure.add_axes(bar_box.fractions))
-        bar.set_label("void ratio e", fontsize=28, color=ink, labelpad=12)
+        bar.set_label("void ratio e", fontsize=30, color=ink, labelpad=12)
         bar.locator = MaxNLocator(6, steps=[1, 2, 5, 10])
         bar.outline.set_visible(False)
         bar.ax.tick_params(**look)
         for height, word, align in ((1.02, "loose", "bottom"), (-0.02, "dense", "top")):
-            bar.ax.text(0.5, height, word, transform=bar.ax.transAxes, fontsize=24, ha="center", va=align)
+            bar.ax.text(0.5, height, word, transform=bar.ax.transAxes, fontsize=26, ha="center", va=align)
 
         forces = figure.add_axes(plot.fractions)
         forces.set(xlim=(0, 1e3 * self.displacement_m), ylim=(0, 1e-3 * self.top_force))
-        forces.set_xlabel("bottom displacement u (mm)", fontsize=26, color=ink)
-        forces.set_ylabel("force per metre (kN/m)", fontsize=26, color=ink, labelpad=12)
+        forces.set_xlabel("bottom displacement u (mm)", fontsize=28, color=ink)
+        forces.set_ylabel("force per metre (kN/m)", fontsize=30, color=ink, labelpad=12)
         forces.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
         forces.grid(color="#e4e4e4", linewidth=2)
         forces.set_axisbelow(True)
@@ -152,8 +154,8 @@ class Canvas:
         forces.spines[["left", "bottom"]].set(linewidth=2, color=ink)
         forces.axhline(1e-3 * weight, color="#777777", linewidth=2.5, linestyle=(0, (6, 4)))
         forces.text(
-            0.985, 1 / 1.1 - 0.015, f"weight of the sand {1e-3 * weight:.3g} kN/m",
-            transform=forces.transAxes, fontsize=24, color="#555555", ha="right", va="top",
+            0.985, 1 / 1.1 - 0.015, f"weight of the sand {1e-3 * weight:.4g} kN/m",
+            transform=forces.transAxes, fontsize=26, color="#555555", ha="right", va="top",
         )  # fmt: skip
         forces.tick_params(**look)
         canvas.draw()
@@ -171,11 +173,11 @@ class Canvas:
         while size > 24 and draw.textlength(title, font(size, bold=True)) > WIDTH - 120:
             size -= 1
         draw.text((60, 50), title, INK, font(size, bold=True), anchor="lm")
-        self._readings = [(x, y) for y in (165, 262) for x in self._columns()]
+        self._readings = [(x, y) for y in (166, 266) for x in self._columns()]
         captions = [("stage", GREY), ("time", GREY), ("displacement u", GREY)]
         captions += [(f"{letter}  {name}", colour) for letter, name, colour in FORCES]
         for (x, y), (caption, colour) in zip(self._readings, captions, strict=True):
-            draw.text((x, y - 30), caption, colour, font(24), anchor="ls")
+            draw.text((x, y - 40), caption, colour, font(27), anchor="ls")
         return np.array(image)
 
     def _columns(self) -> list[int]:
@@ -213,8 +215,9 @@ class Canvas:
         """Return a new frame (1080, 1920, 3) of bytes, all but the sand; time in s, displacement in m."""
         frame = self.background.copy()
         texts = [stage, f"{time_s:.3f} s", f"{1e3 * displacement_m:.2f} mm"]
-        texts += [f"{1e-3 * force:.3f} kN/m" if np.isfinite(force) else "–" for force in self._forces]
-        corner, opposite = (self.plot.left, 130), (WIDTH, 285)
+        for force in self._forces:
+            texts.append(f"{1e-3 * force:.{self._decimals}f} kN/m" if np.isfinite(force) else "–")
+        corner, opposite = (self.plot.left, 130), (WIDTH, 280)
         band = frame[corner[1] : opposite[1], corner[0] : opposite[0]]
         image = Image.fromarray(band)
         draw = ImageDraw.Draw(image)
@@ -225,7 +228,7 @@ class Canvas:
             self._mark_tips(frame)
         return frame
 
-    _value_font = font(34, bold=True)
+    _value_font = font(36, bold=True)
 
     def _mark_tips(self, frame: np.ndarray) -> None:
         """Put a dot with the curve's letter at each newest point, the letters kept apart from each other."""

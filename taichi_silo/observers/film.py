@@ -54,9 +54,7 @@ class SandRaster:
         self.table.from_numpy(np.vstack((colours, BACKGROUND, INK)).astype(np.int32))
         self.image = np.zeros((rows, columns, 3), np.uint8)
 
-    def draw(
-        self, position: np.ndarray, level: np.ndarray, plate_top_m: float, plate_bottom_m: float
-    ) -> np.ndarray:
+    def draw(self, position: np.ndarray, level: np.ndarray, plate_top_m: float, plate_bottom_m: float) -> np.ndarray:
         """Return the image (rows, columns, 3) of bytes, valid until the next call.
 
         `position` is (n, 2) in m, `level` (n,) the entry of the colour table; the bottom plate, between
@@ -127,8 +125,8 @@ class Encoder:
         path.parent.mkdir(parents=True, exist_ok=True)
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the encoder
         options = (
-            f"-y -loglevel error -f rawvideo -pix_fmt rgb24 -s {WIDTH}x{HEIGHT} -r {frames_per_second} -i - -an "
-            "-vf scale=out_color_matrix=bt709:out_range=tv,format=yuv420p "
+            f"-y -loglevel error -f rawvideo -pix_fmt rgb24 -s {WIDTH}x{HEIGHT} -r {frames_per_second} -i - "
+            "-an -vf scale=out_color_matrix=bt709:out_range=tv,format=yuv420p "
             "-colorspace bt709 -color_primaries bt709 -color_trc bt709 "
             "-c:v libx264 -preset veryfast -crf 18 -threads 2 -movflags +faststart -f mp4"
         )
@@ -224,9 +222,7 @@ class Film:
         self.void_ratio_range = void_ratio_range
         self.canvas = Canvas(width_m, height_m, displacement_m, weight_N_per_m, void_ratio_range, title)
         panel = self.canvas.panel
-        self.raster = SandRaster(
-            panel.columns, panel.rows, self.canvas.pixels_per_metre, self.canvas.top_m, spacing_m
-        )
+        self.raster = SandRaster(panel.columns, panel.rows, self.canvas.pixels_per_metre, self.canvas.top_m, spacing_m)
         self._encoder = Encoder(Path(path), frames_per_second)
 
     def add_forces(

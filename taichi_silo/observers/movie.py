@@ -35,9 +35,7 @@ class Movie(Observer):
 
     def observe(self, record) -> None:
         """Extend the curves, and draw when a frame is due."""
-        self.film.add_forces(
-            record.displacement_m, record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m
-        )
+        self.film.add_forces(record.displacement_m, record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
         flowing = record.stage == "flow"
         frames = FLOW_FRAMES if flowing else FILLING_FRAMES
         part = (

@@ -95,7 +95,7 @@ def case_forces_figure(runs):
         _x_axis(panels[2, column], group)
     for row in panels:
         start_at_zero(row, "y")
-    figure.suptitle("Forces per metre run (T, N: mean of both walls; marker: end of filling)")
+    figure.suptitle("Forces per metre run\nT, N: mean of both walls; marker: end of filling")
     return figure
 
 

@@ -118,31 +118,45 @@ class RunFiles:
     def pressure_ratios(self) -> dict[str, float]:
         """Pressure ratios for Janssen's theory by origin: the law's and the measured one, or a table's."""
         stored = self.summary.get("janssen", {})
-        names = {"K0 of the law": "pressure_ratio_K0", "K from measured N": "pressure_ratio_measured"}
+        names = {"K0 of the law": "pressure_ratio_K0", "measured K": "pressure_ratio_measured"}
         known = {origin: stored[key] for origin, key in names.items() if (stored.get(key) or 0.0) > 0.0}
         return known or {"K of EN 1991-4": TABLE_PRESSURE_RATIO}
 
     def janssen(self, pressure_ratio: float) -> Janssen | None:
-        """Return Janssen's theory of this silo, or None if the run does not say enough about itself."""
+        """Return Janssen's theory of this silo, or None if the run does not say enough about itself.
+
+        Its friction angle is the one stored with the pressure ratios, for very rough walls the mobilised one.
+        """
         width, height = self.parameter("silo", "width_m"), self.parameter("silo", "height_m")
         density, angle = self.parameter("sand", "grain_density_kg_per_m3"), self.wall_angle_deg
+        stored = self.summary.get("janssen", {}).get("wall_friction_angle_deg")
+        if stored is not None and 0.0 <= stored < 90.0:
+            angle = stored
         if None in (width, height, density, angle) or not np.isfinite(self.void_ratio):
             return None
-        return Janssen(width, height, density * GRAVITY / (1.0 + self.void_ratio), angle, pressure_ratio)
+        gravity = self.parameter("method", "gravity_m_per_s2", GRAVITY)
+        return Janssen(width, height, density * gravity / (1.0 + self.void_ratio), angle, pressure_ratio)
 
     def read_snapshot(self, file: str):
         """Return points (n, 2) [m], void ratio (n,) and side (n,) [m] of the square each point stands for."""
         mesh = meshio.read(self.folder / "snapshots" / file)
-        volume = mesh.point_data["volume_m2_per_m"]
-        return mesh.points[:, :2], np.ravel(mesh.point_data["void_ratio"]), np.sqrt(np.ravel(volume))
+        void_ratio, volume = (np.ravel(mesh.point_data[name]) for name in ("void_ratio", "volume_m2_per_m"))
+        finite = np.isfinite(mesh.points).all(axis=1) & np.isfinite(void_ratio) & (volume > 0.0)
+        return mesh.points[finite, :2], void_ratio[finite], np.sqrt(volume[finite])
 
 
 def _table(path: Path, columns: list[str]) -> pd.DataFrame:
-    """Return a table, or an empty one with these columns if the file is not there or has no content yet."""
+    """Return a table, or an empty one with these columns if the file is not there or has no content yet.
+
+    Numbers out of all bounds, which a run that went wrong may leave, read as nan.
+    """
     try:
-        return pd.read_csv(path, on_bad_lines="skip")
+        table = pd.read_csv(path, on_bad_lines="skip")
     except (FileNotFoundError, pd.errors.EmptyDataError):
         return pd.DataFrame(columns=columns)
+    numbers = table.select_dtypes("number")
+    table[numbers.columns] = numbers.where(numbers.abs() < 1e12)
+    return table
 
 
 def sand_title(void_ratio: float) -> str:

@@ -48,8 +48,10 @@ def start_at_zero(panels, axis: str):
     panels = list(panels)
     low = min(getattr(panel.dataLim, f"{axis}min") for panel in panels)
     high = max(getattr(panel.dataLim, f"{axis}max") for panel in panels)
+    if not low <= high or high <= 0.0:  # nothing drawn, or nothing above zero
+        return
     for panel in panels:
-        getattr(panel, f"set_{axis}lim")(low if low < -0.05 * abs(high) else 0.0)
+        getattr(panel, f"set_{axis}lim")(1.05 * low if low < -0.05 * high else 0.0, 1.07 * high)
 
 
 def line_colors(runs) -> list[str]:

@@ -80,9 +80,7 @@ def case_void_ratio_figure(runs):
         norm = _color_range([field for run in group for field in fields[id(run)] if field is not None])
         panels = part.subplots(len(group), columns, squeeze=False, sharex=True, sharey=True)
         for run, line in zip(group, panels, strict=True):
-            for panel, row, field, target in zip(
-                line, cases[id(run)], fields[id(run)], DISPLACEMENTS_MM, strict=True
-            ):
+            for panel, row, field, target in zip(line, cases[id(run)], fields[id(run)], DISPLACEMENTS_MM, strict=True):
                 if field is None:
                     panel.set_axis_off()
                     missing = f"u = {target:g} mm\nnot reached"

@@ -4,10 +4,10 @@ import numpy as np
 
 from taichi_silo.plots.style import BLACK, BLUE, REFERENCE, VERMILLION, new_figure, start_at_zero
 
-STATES = {
-    "filling": (BLACK, "after filling"),
-    "maximum": (VERMILLION, "maximum (N largest)"),
-    "residual": (BLUE, "residual"),
+STATES = {  # colour, width (equal curves on top of each other both show), name
+    "filling": (BLACK, 2.0, "after filling"),
+    "maximum": (VERMILLION, 3.4, "maximum (N largest)"),
+    "residual": (BLUE, 1.8, "residual"),
 }
 STRESSES = {"normal_stress_Pa": "wall normal stress (kPa)", "shear_stress_Pa": "wall shear stress (kPa)"}
 
@@ -48,7 +48,8 @@ def case_wall_stress_figure(runs):
     for panel in panels[0]:
         lines, labels = panel.get_legend_handles_labels()
         handles.update(zip(labels, lines, strict=True))
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=5)
+    columns = 5 if len(runs) > 3 else min(2, len(runs))
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=columns)
     figure.suptitle("Wall stresses (bold: mean of both walls)")
     return figure
 
@@ -59,7 +60,7 @@ def _has_profiles(run) -> bool:
 
 def _draw(panel, run, quantity: str, name_origin: bool = True):
     """Draw one stress [kPa] against height [mm] for all states, with Janssen's theory."""
-    for state, (color, label) in STATES.items():
+    for state, (color, width, label) in STATES.items():
         profiles = [_profile(run, state, wall, quantity) for wall in ("left", "right")]
         profiles = [profile for profile in profiles if len(profile[0])]
         for height, stress in profiles:
@@ -67,8 +68,11 @@ def _draw(panel, run, quantity: str, name_origin: bool = True):
         if profiles:
             height = profiles[0][0]
             mean = np.mean([np.interp(height, *profile) for profile in profiles], axis=0)
-            panel.plot(mean / 1e3, 1e3 * height, color=color, linewidth=2.2, label=label, zorder=3)
+            panel.plot(mean / 1e3, 1e3 * height, color=color, linewidth=width, label=label, zorder=3)
     _draw_janssen(panel, run, quantity, name_origin)
+    top = run.parameter("silo", "height_m")
+    if top is not None:  # nodes above the sand carry nothing
+        panel.set_ylim(top=1.05e3 * top)
 
 
 def _profile(run, state: str, wall: str, quantity: str):
@@ -78,14 +82,8 @@ def _profile(run, state: str, wall: str, quantity: str):
 
 
 def _draw_janssen(panel, run, quantity: str, name_origin: bool):
-    """Draw Janssen's stress for each stored pressure ratio; for very rough walls only for the law's own one.
-
-    A measured ratio assumes that the walls slip, which very rough ones do not.
-    """
-    ratios = run.pressure_ratios
-    if run.wall_kind == "very-rough":
-        ratios = dict(list(ratios.items())[:1])
-    for (origin, ratio), line in zip(ratios.items(), ("--", ":"), strict=False):
+    """Draw Janssen's stress for each stored pressure ratio."""
+    for (origin, ratio), line in zip(run.pressure_ratios.items(), ("--", ":"), strict=False):
         fill = run.janssen(ratio)
         if fill is None:
             return

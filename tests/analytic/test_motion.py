@@ -1,0 +1,152 @@
+"""Bodies whose motion is known exactly."""
+
+import math
+
+import numpy as np
+import pytest
+
+from taichi_silo.laws import Elastic
+from taichi_silo.noise import NoiseControl
+from taichi_silo.shapes import Linear, UniformGimp
+from taichi_silo.walls import Coulomb, NoSlip, PlaneWall
+from tests.blocks import block, change, solver
+
+G = 9.81
+BOTH_SHAPES = [Linear(), UniformGimp(0.5)]
+
+
+@pytest.mark.parametrize("shape", BOTH_SHAPES, ids=["linear", "ugimp"])
+def test_free_fall_is_exact(shape):
+    """V = -g t for every point; y = y0 - g dt^2 n (n + 1) / 2; no stress, no reaction, mass kept."""
+    law = Elastic(1e6)
+    particles, grid = block(law, shape, width=0.1, height=0.1, cell=0.02, origin=(0.1, 0.5), box=(0.3, 0.7))
+    before = particles.arrays()
+    dt, n = 1e-4, 2000
+    body = solver(particles, grid, shape, law)
+    body.advance(n, dt, gravity=(G, G))
+    after = particles.arrays()
+    assert np.abs(after["velocity"] - [0.0, -G * n * dt]).max() < 1e-11
+    fall = after["position"] - before["position"]
+    assert np.abs(fall - [0.0, -G * dt**2 * n * (n + 1) / 2]).max() < 1e-11
+    assert np.abs(after["stress"]).max() < 1e-6
+    assert (after["mass"] == before["mass"]).all()
+
+
+def test_a_frame_that_moves_changes_nothing_but_the_coordinates():
+    law, shape = Elastic(1e6), UniformGimp(0.5)
+    ends = []
+    for frame in (0.0, -0.3):
+        particles, grid = block(law, shape, width=0.1, height=0.1, cell=0.02, origin=(0.1, 0.3), box=(0.3, 0.5))
+        change(particles, velocity=np.random.default_rng(3).normal(0.0, 0.05, (25, 2)))
+        solver(particles, grid, shape, law).advance(200, 1e-4, gravity=(G, G), frame_velocity=(frame, frame))
+        ends.append(particles.arrays()["position"] + [0.0, frame * 200 * 1e-4])
+    assert np.abs(ends[0] - ends[1]).max() < 2e-4  # interpolation differs by where the nodes are
+    assert np.abs(ends[0].mean(axis=0) - ends[1].mean(axis=0)).max() < 1e-12
+
+
+def test_an_elastic_bar_swings_with_its_period():
+    """Fixed at one end, free at the other, no lateral strain: T = 4 L / c."""
+    law, shape = Elastic(1e6, 0.0), UniformGimp(0.5)
+    length, cell, density = 1.0, 0.02, 1500.0
+    particles, grid = block(law, shape, width=length, height=cell * 2, cell=cell, density=density, box=(1.1, 0.08))
+    x = particles.arrays()["position"][:, 0]
+    shape_of_mode = np.sin(0.5 * math.pi * x / length)
+    change(particles, velocity=np.stack([1e-3 * shape_of_mode, 0.0 * x], axis=1))
+    wall = PlaneWall("left", 0, -1, grid.node_along(0.0), NoSlip())
+    body = solver(particles, grid, shape, law, (wall,))
+    c = math.sqrt(law.young_modulus_Pa / density)
+    dt = 0.2 * cell / c
+    amplitude = []
+    for _ in range(1200):
+        body.advance(1, dt)
+        amplitude.append(particles.velocity.to_numpy()[:, 0] @ shape_of_mode)
+    amplitude = np.array(amplitude)
+    crossings = np.flatnonzero(np.diff(np.sign(amplitude)))
+    exact = crossings + amplitude[crossings] / (amplitude[crossings] - amplitude[crossings + 1])
+    period = 2.0 * np.diff(exact).mean() * dt
+    assert period == pytest.approx(4.0 * length / c, rel=0.01)
+    assert np.abs(amplitude[-300:]).max() > 0.95 * np.abs(amplitude[:300]).max()  # no hidden damping
+
+
+class TestBlockOnAnIncline:
+    slope = math.radians(25.0)
+
+    def slide(self, friction_angle_deg):
+        """Mean acceleration down the slope, over g, and the share of steps that the wall's cone was kept."""
+        law, shape, cell, density = Elastic(2e6, 0.2), UniformGimp(0.5), 0.05, 1500.0
+        particles, grid = block(law, shape, width=0.5, height=0.2, cell=cell, origin=(0.2, 0.0), box=(1.2, 0.3))
+        y = particles.arrays()["position"][:, 1]
+        normal = -density * G * math.cos(self.slope) * (0.2 - y)
+        change(particles, stress=np.stack([0 * y, normal, 0 * y, 0 * y], axis=1))
+        floor = PlaneWall("floor", 1, -1, grid.node_along(0.0), Coulomb(friction_angle_deg))
+        body = solver(particles, grid, shape, law, (floor,), down=(math.sin(self.slope), -math.cos(self.slope)))
+        n, dt = 2000, 1e-4
+        body.advance(n, dt, gravity=(G, G))
+        reaction, _ = body.books.take()
+        velocity = particles.arrays()["velocity"][:, 0].mean()
+        return velocity / (n * dt) / G, reaction[0]
+
+    def test_it_slides_with_g_sin_minus_mu_cos(self):
+        acceleration, reaction = self.slide(12.3)
+        exact = math.sin(self.slope) - math.tan(math.radians(12.3)) * math.cos(self.slope)
+        assert acceleration == pytest.approx(exact, rel=0.01)
+        pressed = reaction[:, 1] > 0
+        cone = -reaction[pressed, 0] / reaction[pressed, 1]
+        assert cone.max() <= math.tan(math.radians(12.3)) * (1 + 1e-12)
+
+    def test_it_stays_where_friction_suffices(self):
+        acceleration, _ = self.slide(30.0)
+        assert abs(acceleration) < 0.003
+
+    def test_it_slides_freely_without_friction(self):
+        assert self.slide(0.0)[0] == pytest.approx(math.sin(self.slope), rel=1e-9)
+
+
+def test_sand_may_leave_a_coulomb_wall_but_not_a_very_rough_one():
+    law, shape = Elastic(1e5, 0.0), UniformGimp(0.5)
+    speeds = {}
+    for name, contact in (("coulomb", Coulomb(20.0)), ("very rough", NoSlip())):
+        particles, grid = block(law, shape, width=0.1, height=0.1, cell=0.02, box=(0.3, 0.1))
+        change(particles, velocity=np.tile([0.5, 0.0], (25, 1)))
+        wall = PlaneWall("left", 0, -1, grid.node_along(0.0), contact)
+        body = solver(particles, grid, shape, law, (wall,))
+        body.advance(50, 1e-4)
+        speeds[name] = particles.arrays()["velocity"][:, 0]
+    assert np.abs(speeds["coulomb"] - 0.5).max() < 1e-12
+    assert speeds["very rough"].min() < 0.1
+
+
+def column_stress_error(shape):
+    """RMS error of the vertical stress of a soft column at rest over its largest value, and how far the top sank.
+
+    At rest sigma = -(weight above), exactly, however much the column is compressed. Four points a cell.
+    """
+    height, cell, density = 1.0, 0.05, 1500.0
+    law = Elastic(density * G * height / 0.2, 0.0)
+    particles, grid = block(law, shape, width=0.1, height=height, cell=cell, points_per_axis=2, box=(0.1, 1.1))
+    start = particles.arrays()["position"][:, 1]
+    walls = (
+        PlaneWall("left", 0, -1, grid.node_along(0.0), Coulomb()),
+        PlaneWall("right", 0, 1, grid.node_along(0.1), Coulomb()),
+        PlaneWall("floor", 1, -1, grid.node_along(0.0), Coulomb()),
+    )
+    body = solver(particles, grid, shape, law, walls, control=NoiseControl(filling_drag=1.0))
+    c = math.sqrt(law.young_modulus_Pa / density)
+    drag = 0.5 * math.pi * c / height
+    for gravity in ((0.0, G), (G, G)):
+        body.advance(6000, 0.1 * cell / c, gravity=gravity, filling_drag=drag)
+    found = particles.arrays()
+    error = found["stress"][:, 1] + density * G * (height - start)
+    sunk = start.max() - found["position"][:, 1].max()
+    return float(np.sqrt((error**2).mean())) / (density * G * height), sunk / cell
+
+
+def test_points_that_cross_cells_spoil_the_stress_of_linear_shapes():
+    error, _ = column_stress_error(Linear())
+    assert not error < 0.1  # 0.21 of the largest stress when this was written; on finer grids it explodes
+
+
+def test_gimp_cures_the_cell_crossing():
+    error, cells = column_stress_error(UniformGimp(0.25))
+    assert cells > 1.8
+    assert error < 0.025

@@ -1,0 +1,45 @@
+"""Small bodies on a grid, for tests of the solver."""
+
+import numpy as np
+
+from taichi_silo import runtime
+from taichi_silo.grid import Grid
+from taichi_silo.noise import NoiseControl
+from taichi_silo.particles import Particles
+from taichi_silo.solver import Solver
+
+
+def block(law, shape, *, width, height, cell, points_per_axis=1, density=1500.0, origin=(0.0, 0.0), box=None):
+    """A rectangle of points at rest without stress, in a grid over `box` (width, height).
+
+    Returns
+    -------
+    particles, grid
+
+    """
+    d = cell / points_per_axis
+    columns, rows = round(width / d), round(height / d)
+    x, y = np.meshgrid((np.arange(columns) + 0.5) * d, (np.arange(rows) + 0.5) * d)
+    count = columns * rows
+    particles = Particles(count)
+    particles.load(
+        {
+            "position": np.stack([x.ravel(), y.ravel()], axis=1) + np.array(origin),
+            "velocity": np.zeros((count, 2)),
+            "stress": np.zeros((count, 4)),
+            "mass": np.full(count, density * d * d),
+            "volume": np.full(count, d * d),
+            "path": np.zeros(count),
+        }
+    )
+    return particles, Grid(*(box or (width, height)), cell, copies=runtime.threads())
+
+
+def change(particles, **fields):
+    """Replace fields by arrays."""
+    particles.load(particles.arrays() | fields)
+
+
+def solver(particles, grid, shape, law, walls=(), **options):
+    """The solver without noise control unless one is given."""
+    return Solver(particles, grid, shape, law, walls, options.pop("control", NoiseControl()), **options)

@@ -1,0 +1,159 @@
+import subprocess
+
+import imageio_ffmpeg
+import matplotlib
+import numpy as np
+import pytest
+import taichi as ti
+
+from taichi_silo.observers.canvas import Canvas
+from taichi_silo.observers.film import BACKGROUND, COLOURS, Film, SandRaster
+
+WIDTH, HEIGHT, DISPLACEMENT, SPACING, WEIGHT = 0.2, 0.5, 0.02, 0.005, 1625.0
+VOID_RATIOS = (0.55, 0.85)
+SIZE = {"width_m": WIDTH, "height_m": HEIGHT, "displacement_m": DISPLACEMENT, "weight_N_per_m": WEIGHT}
+FAR_BELOW = (-1.0, -1.1)  # plate heights that keep it out of the picture
+
+
+@pytest.fixture(scope="module", autouse=True)
+def taichi():
+    ti.init(arch=ti.cpu, default_fp=ti.f64, cpu_max_num_threads=1, log_level=ti.ERROR)
+
+
+@pytest.fixture(scope="module")
+def raster():
+    return SandRaster(columns=160, rows=200, pixels_per_metre=1635.0, top_m=0.1, spacing_m=SPACING)
+
+
+def lattice(columns, rows):
+    x, y = np.meshgrid((np.arange(columns) + 0.5) * SPACING, (np.arange(rows) + 0.5) * SPACING)
+    return np.stack((x.ravel(), y.ravel()), axis=1)
+
+
+def film(path):
+    return Film(path, spacing_m=SPACING, void_ratio_range=VOID_RATIOS, title="Test", **SIZE)
+
+
+def is_drawn(image):
+    return (image != np.array(BACKGROUND)).any(axis=2)
+
+
+def read_frames(path):
+    reader = imageio_ffmpeg.read_frames(str(path))
+    meta = next(reader)
+    return meta, [np.frombuffer(frame, np.uint8).reshape(*meta["size"][::-1], 3) for frame in reader]
+
+
+def test_sheared_and_dilated_lattice_has_no_gaps(raster):
+    position = lattice(60, 60)
+    position[:, 1] = 1.4 * position[:, 1] - 0.8 * position[:, 0]  # shear
+    position[:, 0] = 1.4 * position[:, 0] - 0.02
+    position[:, 1] -= 0.1
+    image = raster.draw(position, np.full(len(position), 40), *FAR_BELOW)
+    colour = np.rint(255 * np.array(matplotlib.colormaps["viridis"](40 / (COLOURS - 1))[:3]))
+    assert (image == colour).all(axis=2).all()
+
+
+def test_pixel_has_the_colour_of_the_nearest_point(raster):
+    random = np.random.default_rng(3)
+    position = lattice(19, 24) + random.uniform(-0.2, 0.2, (19 * 24, 2)) * SPACING
+    level = random.integers(0, COLOURS, len(position))
+    image = raster.draw(position, level, *FAR_BELOW).astype(int)
+    colours = np.rint(255 * matplotlib.colormaps["viridis"](np.linspace(0, 1, COLOURS))[:, :3]).astype(int)
+    checked = 0
+    for row, column in random.integers((8, 8), (150, 145), (400, 2)):
+        pixel = np.array([column + 0.5, row + 0.5]) / 1635.0
+        distances = np.sort(np.hypot(position[:, 0] - pixel[0], 0.1 - position[:, 1] - pixel[1]))
+        if distances[1] - distances[0] < 2 / 1635.0:
+            continue  # on a border, where a pixel mixes two points
+        nearest = np.argmin(np.hypot(position[:, 0] - pixel[0], 0.1 - position[:, 1] - pixel[1]))
+        assert (image[row, column] == colours[level[nearest]]).all()
+        checked += 1
+    assert checked > 100
+
+
+def test_one_point_is_a_square_and_leaves_no_trace(raster):
+    image = raster.draw(np.array([[0.05, 0.05]]), np.array([0]), *FAR_BELOW)
+    rows, columns = np.nonzero(is_drawn(image))
+    side = 1.5 * SPACING * 1635.0
+    assert abs(np.ptp(rows) + 1 - side) < 2 and abs(np.ptp(columns) + 1 - side) < 2
+    assert len(rows) == (np.ptp(rows) + 1) * (np.ptp(columns) + 1)
+    assert not is_drawn(raster.draw(np.zeros((0, 2)), np.zeros(0), *FAR_BELOW)).any()
+
+
+def test_film_is_h264_of_the_right_size_and_named_when_closed(tmp_path):
+    path = tmp_path / "void_ratio.mp4"
+    position = lattice(40, 100)
+    with film(path) as movie:
+        bare = movie.canvas.background.copy()
+        for k in range(8):
+            u = max(0, k - 2) / 5 * DISPLACEMENT
+            movie.add_forces(u, 560.0 - 1e4 * u, 530.0, 550.0 + 2e4 * u)
+            sunk = position - (0.0, u)
+            sunk[0] = np.nan  # a lost point spoils nothing
+            void_ratio = np.where(np.abs(position[:, 0] - WIDTH / 2) > 0.08, 0.8, 0.6)
+            movie.add_frame(sunk, void_ratio, time_s=0.1 * k, stage="flow" if u else "filling", displacement_m=u)
+        assert not path.exists()
+        panel = movie.canvas.panel
+    movie.close()
+    assert list(tmp_path.iterdir()) == [path]
+
+    meta, frames = read_frames(path)
+    assert meta["size"] == (1920, 1080) and meta["fps"] == 30 and len(frames) == 8
+    assert meta["codec"] == "h264" and meta["pix_fmt"].startswith("yuv420p")
+    described = subprocess.run(
+        [imageio_ffmpeg.get_ffmpeg_exe(), "-hide_banner", "-i", str(path)], capture_output=True, text=True
+    ).stderr
+    assert "h264" in described and "yuv420p" in described
+    data = path.read_bytes()
+    assert data.index(b"moov") < data.index(b"mdat")  # a browser can start before it has all
+
+    # beside the walls every frame shows the bare page, up to the encoder's noise
+    rows = slice(panel.top, panel.top + panel.rows - 20)
+    for columns in (
+        slice(0, panel.left - 12),
+        slice(panel.left + panel.columns + 12, movie.canvas.plot.left - 20),
+    ):
+        for frame in frames:
+            error = np.abs(frame[rows, columns].astype(int) - bare[rows, columns])
+            assert np.median(error) <= 2 and (error > 60).mean() < 1e-3
+    # sand in the middle of the silo has the colour of its void ratio, 0.6
+    centre = frames[-1][panel.top + panel.rows // 2, panel.left + panel.columns // 2]
+    colour = 255 * np.array(matplotlib.colormaps["viridis"]((0.6 - 0.55) / 0.3)[:3])
+    assert np.abs(centre - colour).max() < 12
+
+
+def test_aborted_run_leaves_a_playable_film(tmp_path):
+    path = tmp_path / "aborted.mp4"
+    with pytest.raises(KeyboardInterrupt), film(path) as movie:
+        movie.add_frame(lattice(40, 100), np.full(4000, 0.6), time_s=0.0, stage="filling", displacement_m=0.0)
+        raise KeyboardInterrupt
+    assert len(read_frames(path)[1]) == 1
+    with pytest.raises(RuntimeError):
+        movie.add_frame(lattice(1, 1), np.ones(1), time_s=0.0, stage="flow", displacement_m=0.0)
+
+
+def test_film_without_frames_leaves_nothing(tmp_path):
+    film(tmp_path / "empty.mp4").close()
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("wrong", [{"spacing_m": 0.0}, {"void_ratio_range": (0.8, 0.6)}, {"width_m": -1.0}])
+def test_impossible_arguments_are_refused(tmp_path, wrong):
+    arguments = {**SIZE, "spacing_m": SPACING, "void_ratio_range": VOID_RATIOS, "title": "", **wrong}
+    with pytest.raises(ValueError):
+        Film(tmp_path / "no.mp4", **arguments)
+
+
+def test_curves_start_with_the_flow_and_do_not_run_back():
+    canvas = Canvas(WIDTH, HEIGHT, DISPLACEMENT, WEIGHT, VOID_RATIOS, "")
+    bare = canvas.background.copy()
+    for force in (100.0, 500.0):
+        canvas.add_forces(0.0, np.full(3, force))
+    assert (canvas.background == bare).all()  # filling moves the points only
+    canvas.add_forces(0.01, np.array([500.0, 700.0, 900.0]))
+    rows, columns = canvas.plot.slices
+    changed = (canvas.background != bare).any(axis=2)
+    assert changed[rows, columns].sum() == changed.sum() > 1000
+    blue = canvas.background[rows, columns][round((1 - 500 / (1.1 * WEIGHT)) * 669), 200]
+    assert tuple(blue) == (0, 114, 178)

@@ -1,0 +1,63 @@
+"""The three ways to loop over one and the same formulas give one and the same step."""
+
+import numpy as np
+import pytest
+
+from taichi_silo import runtime
+from taichi_silo.scene import Flow, Mesh, Scene, Silo, Walls
+from taichi_silo.simulation import Simulation
+
+SCENE = Scene(
+    silo=Silo(width_m=0.1, height_m=0.2),
+    grid=Mesh(cell_size_m=0.01),
+    flow=Flow(speed_m_per_s=0.02, displacement_m=0.002),
+)
+
+
+def state_after(steps, threads=1, shared=None, walls="very-rough"):
+    runtime.init(threads=threads)
+    simulation = Simulation(SCENE.model_copy(update={"walls": Walls(kind=walls)}))
+    if shared:
+        whole = simulation.solver
+        simulation.solver = type(whole)(
+            whole.particles, type(whole.grid)(0.1, 0.22, 0.01), whole.shape, whole.law, whole.walls, whole.control,
+            shared=True,
+        )  # fmt: skip
+    simulation.solver.advance(steps, 2e-5, gravity=(0.0, 9.81), frame_velocity=(0.0, -0.02))
+    return simulation.particles.arrays(), simulation.solver.books.take()
+
+
+@pytest.mark.parametrize("walls", ["smooth", "very-rough"])
+@pytest.mark.parametrize("how", [{"threads": 2}, {"shared": True}], ids=["two threads", "atomic sums"])
+def test_loops_agree_to_round_off(how, walls):
+    alone, (reaction, control) = state_after(500, walls=walls)
+    other, (reaction_other, control_other) = state_after(500, walls=walls, **how)
+    for name, field in alone.items():
+        assert np.abs(field - other[name]).max() <= 1e-9 * np.abs(field).max(), name
+    assert np.abs(reaction - reaction_other).max() < 1e-9 * np.abs(reaction).max()
+    assert np.abs(control - control_other).max() < 1e-9 * np.abs(reaction).max()
+
+
+def test_one_thread_and_two_threads_each_repeat_themselves_bit_by_bit():
+    for threads in (1, 2):
+        first, second = (state_after(300, threads=threads)[0] for _ in range(2))
+        assert all((first[name] == second[name]).all() for name in first)
+
+
+def test_steps_may_be_cut_into_launches_at_will():
+    scene_state = []
+    for parts in ((400,), (150, 250)):
+        runtime.init()
+        simulation = Simulation(SCENE)
+        for part in parts:
+            simulation.solver.advance(part, 2e-5, gravity=(9.81, 9.81))
+        scene_state.append(simulation.particles.arrays())
+    assert all((scene_state[0][name] == scene_state[1][name]).all() for name in scene_state[0])
+
+
+def test_a_grid_with_too_few_copies_of_its_sums_is_refused():
+    runtime.init(threads=2)
+    simulation = Simulation(SCENE)
+    whole = simulation.solver
+    with pytest.raises(ValueError, match="copies"):
+        type(whole)(whole.particles, type(whole.grid)(0.1, 0.22, 0.01), whole.shape, whole.law)
