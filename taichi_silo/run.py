@@ -50,7 +50,7 @@ def run(scene: Scene, folder: Path, *, overwrite: bool = False, film: bool = Tru
     folder = run_folder.claim(folder, overwrite)
     begun = time.time()
     simulation = Simulation(scene)
-    summary = Summary(folder / "summary.json")
+    summary = Summary(folder / "summary.json", folder / "walls.csv")
     wanted = {u for u in FIGURE_DISPLACEMENTS_M if u < scene.flow.displacement_m}
     observers: list[Observer] = [
         Table(folder / "forces.csv", FORCES),

@@ -50,6 +50,11 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
             )
 
 
+def wait() -> None:
+    """Return when everything launched so far is done."""
+    ti.sync()
+
+
 def is_cpu() -> bool:
     """Whether the running Taichi works on the CPU."""
     return ti.lang.impl.current_cfg().arch in (ti.x64, ti.arm64)

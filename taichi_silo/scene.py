@@ -149,7 +149,7 @@ class Scene(_Table):
             raise ValueError(f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed")
         if self.flow.displacement_m > self.silo.height_m:
             raise ValueError(
-                f"displacement is {self.flow.displacement_m} m; it must be at most the fill height, {self.silo.height_m} m"
+                f"displacement is {self.flow.displacement_m} m; it must be at most the height of {self.silo.height_m} m"
             )
         return self
 

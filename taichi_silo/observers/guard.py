@@ -29,7 +29,7 @@ class Guard(Observer):
         when = f"at t = {record.time_s:.4f} s ({record.stage}, u = {1e3 * record.displacement_m:.3f} mm)"
         if record.strays:
             raise RunFailed(
-                f"{when} {record.strays} points left the silo or are not finite, the first near {self._where('stray')}; "
+                f"{when} {record.strays} points left the silo or are not finite, one near {self._where('stray')}; "
                 f"a time step too large is the likely cause (it was {1e6 * record.time_step_s:.1f} us)"
             )
         if record.time_step_s > LONGEST_STEP * record.stable_step_s:
@@ -41,7 +41,7 @@ class Guard(Observer):
         if record.void_ratio_low < densest:
             raise RunFailed(
                 f"{when} the void ratio falls to {record.void_ratio_low:.3f} near {self._where('densest')}, below "
-                f"{densest:.3f}, denser than any packing; oscillations have compacted the sand (is there a noise control?)"
+                f"{densest:.3f}, denser than any packing; oscillations have compacted it (is there a noise control?)"
             )
         if record.stage == "flow" and record.separated > MOST_SEPARATED * self.simulation.scene.points:
             raise RunFailed(

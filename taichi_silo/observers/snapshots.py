@@ -80,5 +80,6 @@ class Snapshots(Observer):
             writer.writerows(self.rows)
         entries = "".join(f'<DataSet timestep="{row["time_s"]:.6g}" file="{row["file"]}"/>\n' for row in self.rows)
         (self.folder / "silo.pvd").write_text(
-            f'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"><Collection>\n{entries}</Collection></VTKFile>\n'
+            '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"><Collection>\n'
+            f"{entries}</Collection></VTKFile>\n"
         )

@@ -11,19 +11,24 @@ import pandas as pd
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.measure.certificate import certificate
 from taichi_silo.measure.shear_zones import interior_zone_count, wall_zone_thickness_m
+from taichi_silo.measure.wall_pressure import cell_mean
 from taichi_silo.observers import Observer
 from taichi_silo.simulation import ROWS_PER_PERIOD
 from taichi_silo.theory.janssen import Janssen
 
 RESIDUAL_SHARE = 0.05  # of the final displacement: the last part, whose mean is the residual state
+CORNER_M = 0.0125  # above the bottom: wall stresses there belong to the corner
 PROFILE_BAND = (0.2, 0.8)  # of the height: where the pressure ratio is measured, away from surface and corner
 
 
 class Summary(Observer):
-    """Keeps what the certificate needs, and writes the file when the run ends, also when it failed."""
+    """Keeps what the certificate needs, and writes the file when the run ends, also when it failed.
 
-    def __init__(self, file: Path):
-        self.file, self.failure = file, None
+    `profiles` is the walls.csv that another observer has written by then.
+    """
+
+    def __init__(self, file: Path, profiles: Path):
+        self.file, self.profiles, self.failure = file, profiles, None
 
     def begin(self, simulation) -> None:
         """Start the clock."""
@@ -59,6 +64,7 @@ class Summary(Observer):
         if self.after_filling is not None:
             found["janssen"] = self._janssen(found["filling"])
             found["shear_zones"] = self._zones()
+            found["largest_wall_normal_stress_Pa"] = self._wall_stresses()
         stepping = simulation.stepping_seconds
         found["cost"] = {
             "points": scene.points,
@@ -114,6 +120,19 @@ class Summary(Observer):
             for name, value in zip(("normal_N_per_m", "shear_N_per_m", "bottom_N_per_m"), forces, strict=True):
                 found[f"{name}_{key}"] = float(value)
                 found[f"{name}_{key}_relative_difference"] = float(filling[name] / value - 1.0)
+        return found
+
+    def _wall_stresses(self) -> dict:
+        """Of each state, away from the corner: at one node, and as a pressure cell reads it."""
+        walls, found = pd.read_csv(self.profiles), {}
+        for state, rows in walls[walls.wall != "bottom"].groupby("state"):
+            node, cell = 0.0, 0.0
+            for _, wall in rows.groupby("wall"):
+                height, stress = wall.height_m.to_numpy(), wall.normal_stress_Pa.to_numpy()
+                inside = height > height[0] + CORNER_M
+                node = max(node, float(stress[inside].max()))
+                cell = max(cell, float(cell_mean(height, stress)[inside].max()))
+            found[state] = {"node": node, "pressure_cell": cell}
         return found
 
     def _zones(self) -> dict:

@@ -110,8 +110,8 @@ def _draw_field(panel, field, norm, limits):
 
 
 def _ticks(limits):
-    """Return ticks at both walls and half-way."""
-    low, high = np.round(limits)
+    """Return ticks at both walls and half-way, to 10 mm where there is room for it."""
+    low, high = np.round(limits, -1 if limits[1] - limits[0] > 50.0 else 0) + 0.0
     return [low, (low + high) / 2.0, high]
 
 

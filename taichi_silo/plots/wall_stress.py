@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
 from taichi_silo.plots.style import BLACK, BLUE, REFERENCE, VERMILLION, new_figure, start_at_zero
 
 STATES = {  # colour, width (equal curves on top of each other both show), name
@@ -9,6 +10,7 @@ STATES = {  # colour, width (equal curves on top of each other both show), name
     "maximum": (VERMILLION, 3.4, "maximum (N largest)"),
     "residual": (BLUE, 1.8, "residual"),
 }
+LEGEND = f"bold: mean of both walls, as a pressure cell of {1e3 * CELL_M:g} mm reads; light: each wall, node by node"
 STRESSES = {"normal_stress_Pa": "wall normal stress (kPa)", "shear_stress_Pa": "wall shear stress (kPa)"}
 
 
@@ -25,7 +27,7 @@ def run_wall_stress_figure(run):
     panels[0].set_ylabel("height above the initial bottom (mm)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
-    figure.suptitle(f"Wall stresses: {run.title}")
+    figure.suptitle(f"Wall stresses: {run.title}\n{LEGEND}")
     return figure
 
 
@@ -50,7 +52,7 @@ def case_wall_stress_figure(runs):
         handles.update(zip(labels, lines, strict=True))
     columns = 5 if len(runs) > 3 else min(2, len(runs))
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=columns)
-    figure.suptitle("Wall stresses (bold: mean of both walls)")
+    figure.suptitle(f"Wall stresses\n{LEGEND}")
     return figure
 
 
@@ -68,6 +70,7 @@ def _draw(panel, run, quantity: str, name_origin: bool = True):
         if profiles:
             height = profiles[0][0]
             mean = np.mean([np.interp(height, *profile) for profile in profiles], axis=0)
+            mean = cell_mean(height, mean)
             panel.plot(mean / 1e3, 1e3 * height, color=color, linewidth=width, label=label, zorder=3)
     _draw_janssen(panel, run, quantity, name_origin)
     top = run.parameter("silo", "height_m")

@@ -1,0 +1,65 @@
+"""The paper's four mass flows side by side: dense and loose sand, smooth and very rough walls.
+
+Source: Krzyzanowski et al. (2020), section 6; the figures are the counterparts of figures 10 to 13. Each case is a run
+of `mass_flow.py` in a process of its own, as many at a time as there are cores; cases already there are kept.
+
+Cost: about twelve minutes on two cores.
+"""
+
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Annotated
+
+from typer import Option
+
+from taichi_silo import cli
+from taichi_silo.faults import BadInput, RunFailed
+from taichi_silo.plots import plot_cases
+
+CASES = {
+    "dense, smooth": (0.60, "smooth"),
+    "dense, very rough": (0.60, "very-rough"),
+    "loose, smooth": (0.90, "smooth"),
+    "loose, very rough": (0.90, "very-rough"),
+}
+
+
+def four_cases(
+    cell_size: Annotated[float, Option(help="of the grid [m]")] = 0.005,
+    speed: Annotated[float, Option(help="of the bottom [m/s]")] = 0.002,
+    displacement: Annotated[float, Option(help="of the bottom at the end [m]")] = 0.02,
+    output: Annotated[Path, Option(help="folder; one subfolder a case")] = Path("outputs/four_cases"),
+    film: Annotated[bool, Option(help="draw the films")] = True,
+):
+    """Run the paper's four cases and draw them side by side."""
+    flags = {"--cell-size": cell_size, "--speed": speed, "--displacement": displacement, "--threads": 1}
+    folders = {name: output / name.replace(", ", "_").replace(" ", "-") for name in CASES}
+
+    def simulate(name: str) -> tuple[str, int, str]:
+        void_ratio, walls = CASES[name]
+        folder = folders[name]
+        if (folder / "void_ratio.mp4").exists() or (not film and (folder / "summary.json").exists()):
+            return name, 0, "kept"
+        case = flags | {"--void-ratio": void_ratio, "--walls": walls, "--output": folder}
+        command = [sys.executable, str(Path(__file__).with_name("mass_flow.py")), "--overwrite"]
+        command += [str(part) for pair in case.items() for part in pair] + ([] if film else ["--no-film"])
+        done = subprocess.run(command, capture_output=True, text=True)
+        lines = done.stderr.strip().splitlines()
+        return name, done.returncode, lines[-1] if done.returncode and lines else "done"
+
+    with ThreadPoolExecutor(max(1, min(len(CASES), os.cpu_count() or 1))) as workers:
+        for name, code, word in workers.map(simulate, CASES):
+            print(f"{name:20s} {word}", flush=True)
+            if code == cli.BAD_INPUT:
+                raise BadInput(word.removeprefix("Error: ").rstrip("."))
+            if code:
+                raise RunFailed(f"in the case '{name}': {word}")
+    for file in plot_cases(folders, output / "figures"):
+        print(file)
+
+
+if __name__ == "__main__":
+    cli.command(four_cases)

@@ -1,0 +1,38 @@
+"""Wall stress as a pressure cell reads it."""
+
+import numpy as np
+
+CELL_M = 0.02  # height of the cell: a usual size in model silos, four nodes of the paper's grid
+
+
+def cell_mean(height_m: np.ndarray, stress_Pa: np.ndarray, cell_m: float = CELL_M) -> np.ndarray:
+    """Mean of the nodal stress (piecewise linear) over a pressure cell centred at each node.
+
+    Near an end the cell is cut off there. A stress that alternates from node to node averages out.
+
+    Parameters
+    ----------
+    height_m : (n,) rising heights of the nodes.
+    stress_Pa : (n,) nodal stresses.
+    cell_m : height of the cell.
+
+    Returns
+    -------
+    (n,) stresses [Pa].
+
+    """
+    height, stress = np.asarray(height_m, float), np.asarray(stress_Pa, float)
+    if len(height) < 2:
+        return stress.copy()
+    middle = 0.5 * (stress[1:] + stress[:-1]) * np.diff(height)
+    integral = np.concatenate([[0.0], np.cumsum(middle)])
+
+    def up_to(place):
+        """Exact integral of the piecewise linear stress."""
+        k = np.clip(np.searchsorted(height, place, side="right") - 1, 0, len(height) - 2)
+        part = place - height[k]
+        slope = (stress[k + 1] - stress[k]) / (height[k + 1] - height[k])
+        return integral[k] + stress[k] * part + 0.5 * slope * part**2
+
+    low, high = np.maximum(height - 0.5 * cell_m, height[0]), np.minimum(height + 0.5 * cell_m, height[-1])
+    return (up_to(high) - up_to(low)) / (high - low)
