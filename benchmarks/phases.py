@@ -45,7 +45,7 @@ class Phases:
                     self.s.grid.mass[k] = 1.0  # the pass empties its sums
                     step = Step(dt=0.0 * dt, gravity=9.81, frame_velocity=0.0, filling_drag=0.0)
                     integrate_node(
-                        self.s.grid, self.s.walls, self.s.control, self.s.books, self.s.down, i, j, step
+                        self.s.grid, self.s.walls, self.s.control, self.s.books, self.s.down, i, j, step, False
                     )  # fmt: skip
 
     @ti.kernel
@@ -55,7 +55,7 @@ class Phases:
         for _ in range(steps):
             for p in range(self.s.particles.count):
                 step = Step(dt=1e-3 * dt, gravity=9.81, frame_velocity=0.0, filling_drag=0.0)
-                gather(self.s.particles, self.s.grid, self.s.shape, self.s.law, self.s.control, p, step)
+                gather(self.s.particles, self.s.grid, self.s.shape, self.s.law, p, step)
 
     @ti.kernel
     def law(self, steps: ti.i32, dt: real):

@@ -5,7 +5,6 @@ The contract, a frozen dataclass of compile-time constants:
 `drag`          rate d of a nodal force -m d (v - memory) [1/s]
 `memory_time`   time constant of the exponential mean `memory` of the nodal velocity [s]
 `filling_drag`  rate of an extra force -m d v while the silo is being filled [1/s]
-`pic`           rate at which the points' velocities relax to the grid's [1/s]
 
 All zero is the paper's "no damping was defined".
 """
@@ -21,8 +20,6 @@ class NoiseControl:
     drag: float = 0.0
     memory_time: float = 0.05
     filling_drag: float = 0.0
-    pic: float = 0.0
-    strain_memory: float = 0.0
 
     @classmethod
     def for_column(cls, period_s: float) -> "NoiseControl":

@@ -6,6 +6,7 @@ import numpy as np
 import taichi as ti
 
 from taichi_silo import runtime
+from taichi_silo.faults import RunFailed
 from taichi_silo.grid import Grid
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
@@ -13,7 +14,8 @@ from taichi_silo.runtime import real
 from taichi_silo.tensors import trace
 from taichi_silo.transfer import gather, integrate_node, scatter
 
-SPIN_LIMIT = 200_000_000  # turns of a waiting thread before it gives up (about a second)
+SPIN_LIMIT = 500_000_000  # turns of a waiting thread before it gives up (some seconds)
+LOST = 32  # slot of `arrivals` that says that one did
 
 
 @ti.dataclass
@@ -116,11 +118,11 @@ class Solver:
             step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
             j = k // self.grid.columns
             integrate_node(
-                self.grid, self.walls, self.control, self.books, self.down, k - j * self.grid.columns, j, step
+                self.grid, self.walls, self.control, self.books, self.down, k - j * self.grid.columns, j, step, True
             )
         for p in range(self.particles.count):
             step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
-            gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
+            gather(self.particles, self.grid, self.shape, self.law, p, step)
 
     @ti.kernel
     def _steps_alone(self, steps: ti.i32, dt: real, g0: real, g1: real, f0: real, f1: real, filling_drag: real):
@@ -131,9 +133,9 @@ class Solver:
                 scatter(self.particles, self.grid, self.shape, p, 0, False)
             for j in range(self.grid.rows):
                 for i in range(self.grid.columns):
-                    integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step)
+                    integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step, False)
             for p in range(self.particles.count):
-                gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
+                gather(self.particles, self.grid, self.shape, self.law, p, step)
 
     @ti.kernel
     def _steps_together(
@@ -150,10 +152,10 @@ class Solver:
                 self._wait(passed + self.threads * (2 * number + 1))
                 for j in range(low, high):
                     for i in range(self.grid.columns):
-                        integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step)
+                        integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step, False)
                 self._wait(passed + self.threads * (2 * number + 2))
                 for p in range(first, last):
-                    gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
+                    gather(self.particles, self.grid, self.shape, self.law, p, step)
 
     @ti.func
     def _wait(self, arrivals):
@@ -163,7 +165,7 @@ class Solver:
         while ti.atomic_max(self.arrivals[0], -1) < arrivals and turns < SPIN_LIMIT:  # an atomic load
             turns += 1
         if turns >= SPIN_LIMIT:
-            self.arrivals[32] = 1
+            self.arrivals[LOST] = 1
 
     # --- what observers ask ---------------------------------------------------------------------------------------
 
@@ -176,7 +178,14 @@ class Solver:
         fraction, least over the points [s]; void_ratio_low: least; separated: points that carry no stress;
         strays: points outside the grid or not finite; speed: greatest [m/s].
 
+        Raises
+        ------
+        RunFailed
+            if a thread waited in vain for the others.
+
         """
+        if self.threads > 1 and self.arrivals[LOST]:
+            raise RunFailed("because the threads of a step lost each other; use fewer on a machine this busy")
         self._survey()
         energy, momentum, step, low, separated, strays, speed, _ = self.found.to_numpy()
         return SimpleNamespace(
@@ -189,7 +198,8 @@ class Solver:
         for _ in range(1):
             self.found[0], self.found[1], self.found[4], self.found[5], self.found[6] = 0.0, 0.0, 0.0, 0.0, 0.0
             self.found[2], self.found[3] = 1e30, 1e30
-        ti.loop_config(serialize=True)
+        if ti.static(not self.shared):
+            ti.loop_config(serialize=True)  # sums in a fixed order, so that runs repeat themselves
         for p in range(self.particles.count):
             v, x, s = self.particles.velocity[p], self.particles.position[p], self.particles.stress[p]
             m, volume = self.particles.mass[p], self.particles.volume[p]

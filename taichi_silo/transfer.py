@@ -53,9 +53,12 @@ def scatter(particles: ti.template(), grid: ti.template(), shape: ti.template(),
 @ti.func
 def integrate_node(
     grid: ti.template(), walls: ti.template(), control: ti.template(), books: ti.template(), down: ti.template(),
-    i, j, step,
+    i, j, step, shared: ti.template(),
 ):  # fmt: skip
-    """Equation of motion of node (i, j), noise control and walls; empties the sums for the next step."""
+    """Equation of motion of node (i, j), noise control and walls; empties the sums for the next step.
+
+    `shared` says that other threads work on the same row.
+    """
     k = j * grid.columns + i
     m, momentum, force = grid.mass[k], grid.momentum[k], grid.force[k]
     for copy in ti.static(range(1, grid.copies)):
@@ -73,7 +76,10 @@ def integrate_node(
         if ti.static(control.drag > 0.0 or control.filling_drag > 0.0):
             braking = -step.dt * (control.drag * (old - grid.memory[k]) + step.filling_drag * old)
             new += braking
-            books.control[j] = books.control[j] + m * braking
+            if ti.static(shared):
+                books.control[j] += m * braking
+            else:
+                books.control[j] = books.control[j] + m * braking
         for number, wall in ti.static(enumerate(walls)):
             if wall.holds(i, j):
                 base = frame if ti.static(wall.moves) else 0.0 * frame
@@ -89,10 +95,7 @@ def integrate_node(
 
 
 @ti.func
-def gather(
-    particles: ti.template(), grid: ti.template(), shape: ti.template(), law: ti.template(), control: ti.template(),
-    p, step,
-):  # fmt: skip
+def gather(particles: ti.template(), grid: ti.template(), shape: ti.template(), law: ti.template(), p, step):
     """Grid to particles: velocity, position, then stress and volume of point p (stress last)."""
     first, sx, gx, sy, gy = weights(grid, shape, particles.position[p])
     v = ti.Vector([0.0, 0.0])
@@ -110,10 +113,7 @@ def gather(
             ly += sx[a] * gy[b] * node
     lx /= grid.cell_size
     ly /= grid.cell_size
-    moved = particles.velocity[p] + dv
-    if ti.static(control.pic > 0.0):
-        moved += control.pic * step.dt * (v - moved)
-    particles.velocity[p] = moved
+    particles.velocity[p] += dv  # FLIP: only the change is taken, so nothing is smeared
     particles.position[p] += step.dt * (v - ti.Vector([0.0, step.frame_velocity]))
 
     zero = 0.0 * lx[0]

@@ -28,7 +28,9 @@ def state_after(steps, threads=1, shared=None, walls="very-rough"):
 
 
 @pytest.mark.parametrize("walls", ["smooth", "very-rough"])
-@pytest.mark.parametrize("how", [{"threads": 2}, {"shared": True}], ids=["two threads", "atomic sums"])
+@pytest.mark.parametrize(
+    "how", [{"threads": 2}, {"threads": 2, "shared": True}], ids=["two threads", "two threads with atomic sums"]
+)
 def test_loops_agree_to_round_off(how, walls):
     alone, (reaction, control) = state_after(500, walls=walls)
     other, (reaction_other, control_other) = state_after(500, walls=walls, **how)
