@@ -55,7 +55,7 @@ class Phases:
         for _ in range(steps):
             for p in range(self.s.particles.count):
                 step = Step(dt=1e-3 * dt, gravity=9.81, frame_velocity=0.0, filling_drag=0.0)
-                gather(self.s.particles, self.s.grid, self.s.shape, self.s.law, p, step)
+                gather(self.s.particles, self.s.grid, self.s.shape, self.s.law, self.s.control, p, step)
 
     @ti.kernel
     def law(self, steps: ti.i32, dt: real):

@@ -6,6 +6,7 @@ of `mass_flow.py` in a process of its own, as many at a time as there are cores;
 Cost: about twelve minutes on two cores.
 """
 
+import json
 import os
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from typer import Option
 
 from taichi_silo import cli
 from taichi_silo.faults import BadInput, RunFailed
+from taichi_silo.folder import read_scene
 from taichi_silo.plots import plot_cases
 
 CASES = {
@@ -41,7 +43,9 @@ def four_cases(
     def simulate(name: str) -> tuple[str, int, str]:
         void_ratio, walls = CASES[name]
         folder = folders[name]
-        if (folder / "void_ratio.mp4").exists() or (not film and (folder / "summary.json").exists()):
+        wanted = {"void_ratio": void_ratio, "kind": walls, "cell_size_m": cell_size}
+        wanted |= {"speed_m_per_s": speed, "displacement_m": displacement}
+        if is_there(folder, wanted) and (not film or (folder / "void_ratio.mp4").exists()):
             return name, 0, "kept"
         case = flags | {"--void-ratio": void_ratio, "--walls": walls, "--output": folder}
         command = [sys.executable, str(Path(__file__).with_name("mass_flow.py")), "--overwrite"]
@@ -59,6 +63,17 @@ def four_cases(
                 raise RunFailed(f"in the case '{name}': {word}")
     for file in plot_cases(folders, output / "figures"):
         print(file)
+
+
+def is_there(folder: Path, wanted: dict) -> bool:
+    """Whether the folder holds a finished run with these values."""
+    try:
+        tables = read_scene(folder / "run.toml").model_dump()
+        finished = json.loads((folder / "summary.json").read_text())["finished"]
+    except (BadInput, OSError, ValueError, KeyError):
+        return False
+    values = {key: value for table in tables.values() for key, value in table.items()}
+    return finished and all(values[key] == value for key, value in wanted.items())
 
 
 if __name__ == "__main__":

@@ -58,7 +58,7 @@ def mass_flow(
         method=Method(noise_control=noise_control, time_step_s=time_step),
         machine=Machine(**machine),
     )
-    folder = output or free_name(Path("outputs") / f"mass_flow_e{void_ratio:.2f}_{walls}")
+    folder = output.expanduser() if output else free_name(Path("outputs") / f"mass_flow_e{void_ratio:.2f}_{walls}")
     cli.tell(run(scene, folder, overwrite=overwrite, film=film, extra=(ProgressLine(),)))
 
 

@@ -41,7 +41,8 @@ def command(function: Callable) -> None:
 
 def _bad_flag(error: typer.BadParameter) -> str:
     flag = error.param.opts[0] if error.param is not None else "a flag"
-    given = sys.argv[sys.argv.index(flag) + 1] if flag in sys.argv[:-1] else "not given"
+    words = " ".join(sys.argv).replace(f"{flag}=", f"{flag} ").split()
+    given = words[words.index(flag) + 1] if flag in words[:-1] else "not given"
     return f"{flag} is {given}; {error.message[:1].lower()}{error.message[1:].rstrip('.')}"
 
 

@@ -13,10 +13,14 @@ from taichi_silo.faults import BadInput
 from taichi_silo.scene import Scene, one_sentence
 
 MADE = "run.toml"  # its presence says that the folder holds a run
+PRODUCTS = (
+    MADE, "summary.json", "forces.csv", "balance.csv", "walls.csv", "void_ratio.mp4", "void_ratio.partial.mp4",
+    "checkpoint.npz", "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv", "snapshots/silo.pvd",
+)  # fmt: skip
 
 
 def claim(folder: Path, overwrite: bool = False) -> Path:
-    """The folder, made and proved writable.
+    """The folder, made, proved writable, and free of an earlier run.
 
     Raises
     ------
@@ -24,14 +28,19 @@ def claim(folder: Path, overwrite: bool = False) -> Path:
         if it cannot be written, or holds a run and `overwrite` is false.
 
     """
-    if (folder / MADE).exists() and not overwrite:
-        raise BadInput(f"output {folder} holds a run already; give another folder, or --overwrite to replace it")
-    made = [parent for parent in (folder, *folder.parents) if not parent.exists()]
+    folder = folder.expanduser()
+    made = []
     try:
+        if (folder / MADE).exists() and not overwrite:
+            raise BadInput(f"output {folder} holds a run already; give another folder, or --overwrite to replace it")
+        made = [parent for parent in (folder, *folder.parents) if not parent.exists()]
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / ".probe"
         probe.touch()
         probe.unlink()
+        for pattern in PRODUCTS:
+            for old in folder.glob(pattern):
+                old.unlink()
     except OSError as error:
         for parent in made:
             if parent.is_dir() and not any(parent.iterdir()):
@@ -62,7 +71,8 @@ def _revision() -> str:
 def write_parameters(folder: Path, scene: Scene, program: dict) -> None:
     """Write run.toml: every parameter as used, and what computed it; in one piece or not at all."""
     tables = scene.model_dump(exclude_none=True)
-    tables["walls"]["friction_angle_deg"] = scene.wall_friction_angle_deg
+    if scene.walls.kind == "smooth":
+        tables["walls"]["friction_angle_deg"] = scene.wall_friction_angle_deg
     tables["program"] = {
         "taichi_silo": version("taichi-silo"),
         "revision": _revision(),

@@ -1,5 +1,8 @@
 """One run: a scene, its observers, and the folder they leave."""
 
+import contextlib
+import signal
+import threading
 import time
 from pathlib import Path
 
@@ -63,32 +66,58 @@ def run(scene: Scene, folder: Path, *, overwrite: bool = False, film: bool = Tru
         *extra,
         Guard(),  # last: the others have seen what it stops at
     ]
-    started = []
+    started, failures = [], []
     try:
-        for observer in observers:
-            observer.begin(simulation)
-            started.append(observer)
-        run_folder.write_parameters(folder, scene, {"wall_seconds": 0.0})
-        for record in simulation.fill():
-            _show(observers, record)
-        for observer in observers:
-            observer.filled()
-        for record in simulation.flow():
-            _show(observers, record)
+        with _interrupt_between_intervals() as check:
+            for observer in observers:
+                started.append(observer)
+                observer.begin(simulation)
+            run_folder.write_parameters(folder, scene, {"wall_seconds": 0.0})
+            for record in simulation.fill():
+                _show(observers, record)
+                check()
+            for observer in observers:
+                observer.filled()
+            for record in simulation.flow():
+                _show(observers, record)
+                check()
     except BaseException as error:
-        summary.failure = error if str(error) else type(error).__name__
+        summary.failure = str(error) or type(error).__name__
         raise
     finally:
-        for observer in started:
-            observer.end()
         run_folder.write_parameters(folder, scene, {"wall_seconds": round(time.time() - begun, 3)})
-        _draw(folder)
+        for end in (*(observer.end for observer in started), lambda: _draw(folder)):
+            try:
+                end()
+            except Exception as error:  # noqa: BLE001 - one that cannot finish must not keep the others from it
+                failures.append(error)
+    if failures:
+        raise failures[0]
     return folder
 
 
 def _show(observers, record) -> None:
     for observer in observers:
         observer.observe(record)
+
+
+@contextlib.contextmanager
+def _interrupt_between_intervals():
+    """Let Ctrl-C take effect between two intervals only, where clock and points agree."""
+    asked = []
+
+    def check() -> None:
+        if asked:
+            raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield check
+        return
+    usual = signal.signal(signal.SIGINT, lambda *_: asked.append(True))
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, usual)
 
 
 def _draw(folder: Path) -> None:

@@ -16,6 +16,11 @@ LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of
 MOST_POINTS = 20_000_000
 
 
+def cores() -> int:
+    """Processor cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -77,6 +82,15 @@ class Walls(_Table):
     friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="of smooth walls; measured value if absent")
     bottom_friction_angle_deg: float = Field(0.0, ge=0, lt=90)
 
+    @model_validator(mode="after")
+    def _friction(self):
+        if self.kind == "very-rough" and self.friction_angle_deg is not None:
+            raise ValueError(
+                f"wall friction angle is {self.friction_angle_deg}; very rough walls have none (no slip there), "
+                "only smooth walls take one"
+            )
+        return self
+
 
 class Mesh(_Table):
     """Background grid and points."""
@@ -106,22 +120,21 @@ class Method(_Table):
     noise_control: Literal["column", "none"] = "column"
     time_step_s: float | None = Field(None, gt=0, description="from the law's stiffness if absent")
     gravity_m_per_s2: float = Field(9.81, gt=0)
-    filling_time_s: float = Field(0.5, gt=0, description="of the linear increase of weight")
-    longest_settling_s: float = Field(1.0, ge=0)
+    filling_time_s: float = Field(0.5, gt=0, description="of the increase of weight; at least 12 column periods")
+    longest_settling_s: float = Field(1.0, ge=0, description="or 20 column periods, if longer")
 
 
 class Machine(_Table):
     """Where it is computed."""
 
     arch: Literal["cpu", "cuda"] = "cpu"
-    threads: int = Field(default_factory=lambda: min(2, os.cpu_count() or 1), ge=1)
+    threads: int = Field(default_factory=lambda: min(2, cores()), ge=1)
 
     @field_validator("threads")
     @classmethod
     def _available(cls, value: int) -> int:
-        cores = os.cpu_count() or 1
-        if value > cores:
-            raise ValueError(f"threads is {value}; this machine has 1 to {cores}")
+        if value > cores():
+            raise ValueError(f"threads is {value}; this machine has 1 to {cores()}")
         return value
 
 

@@ -20,7 +20,9 @@ from taichi_silo.walls import Coulomb, NoSlip, PlaneWall
 LEFT, RIGHT, BOTTOM = 0, 1, 2
 ROWS_PER_PERIOD = 10  # rows of forces.csv in one period of the column
 RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
-HEADROOM = 0.1  # of the fill height, free above it
+HEADROOM = 0.1  # of the fill height, free above it; more where sand hangs on a very rough wall while the grid sinks
+SHORTEST_FILLING_PERIODS = 12  # the weight must not grow faster than the column can follow
+LONGEST_SETTLING_PERIODS = 20  # at least
 STEP_SAFETY = 0.95  # of the stable step, which changes within an interval
 FIRST_STEP = 0.2  # of the stable step of unstressed sand: in the first interval the stress grows a thousandfold
 SETTLED = 2e-4  # relative change of the wall force over two periods that counts as rest
@@ -86,6 +88,8 @@ class Simulation:
         self.scene = scene
         self.law = scene.sand.law()
         self.time, self.displacement, self.stage = 0.0, 0.0, "filling"
+        self.settled = False  # whether the wall force had come to rest before the flow
+        self.flow_start, self.bottom_speed = None, 0.0  # [s], [m/s]
         self.steps, self.stepping_seconds = 0, 0.0
         h = scene.grid.cell_size_m
         per_axis = math.isqrt(scene.grid.points_per_cell)
@@ -99,12 +103,14 @@ class Simulation:
             control = NoiseControl.for_column(self.period) if on else NoiseControl()
         self.control = control
 
-        grid = Grid(scene.silo.width_m, scene.silo.height_m * (1.0 + HEADROOM), h, copies=threads())
+        room = max(HEADROOM * scene.silo.height_m, scene.flow.displacement_m + 2.0 * h)
+        grid = Grid(scene.silo.width_m, scene.silo.height_m + room, h, copies=threads())
         self.particles = self._fill_box()
         self.solver = Solver(
             self.particles, grid, SHAPES[scene.grid.shape](0.5 / per_axis), self.law, self._walls(grid), control
         )
         self.mass = float(self.particles.mass.to_numpy().sum())
+        self.solver.advance(0, 1.0)  # compiles
 
     def _fill_box(self) -> Particles:
         scene, d = self.scene, self.spacing
@@ -150,31 +156,34 @@ class Simulation:
     def fill(self):
         """Linear increase of weight, then rest until the wall force no longer changes."""
         self.stage = "filling"
-        g, duration = self.scene.method.gravity_m_per_s2, self.scene.method.filling_time_s
+        g = self.scene.method.gravity_m_per_s2
+        duration = max(self.scene.method.filling_time_s, SHORTEST_FILLING_PERIODS * self.period)
         count = math.ceil(duration / self.interval)
         for number in range(count):
             yield self._interval(duration / count, (g * number / count, g * (number + 1) / count), (0.0, 0.0))
         recent = deque(maxlen=2 * ROWS_PER_PERIOD)
-        for _ in range(math.ceil(self.scene.method.longest_settling_s / self.interval)):
+        longest = max(self.scene.method.longest_settling_s, LONGEST_SETTLING_PERIODS * self.period)
+        for _ in range(math.ceil(longest / self.interval)):
             record = self._interval(self.interval, (g, g), (0.0, 0.0))
             recent.append(record.normal_N_per_m)
             yield record
-            if len(recent) == recent.maxlen and max(recent) - min(recent) < SETTLED * max(recent):
+            still = max(recent) - min(recent) < SETTLED * max(recent)
+            self.settled = bool(still and len(recent) == recent.maxlen)
+            if self.settled:
                 break
 
     def flow(self):
         """Lower the bottom: a smooth start over several periods, then constant speed."""
         self.stage = "flow"
         g, target = self.scene.method.gravity_m_per_s2, self.scene.flow.displacement_m
-        start, speed = self.time, 0.0
+        start = self.flow_start = self.time
         while self.displacement < target * (1.0 - 1e-12):
             duration = self.interval
             faster = self._speed(self.time + duration - start)
-            step = 0.5 * (speed + faster) * duration
-            if self.displacement + step > target:
-                duration = (target - self.displacement) / (0.5 * (speed + faster))
-            yield self._interval(duration, (g, g), (-speed, -faster))
-            speed = faster
+            mean = 0.5 * (self.bottom_speed + faster)
+            duration = min(duration, (target - self.displacement) / mean)
+            yield self._interval(duration, (g, g), (-self.bottom_speed, -faster))
+            self.bottom_speed = faster
 
     def _speed(self, since_start: float) -> float:
         part = min(since_start / (RAMP_PERIODS * self.period), 1.0)
@@ -231,6 +240,9 @@ class Simulation:
         arrays["void_ratio"] = arrays["volume"] * self.law.grain_density / arrays["mass"] - 1.0
         return arrays
 
-    def slot_coordinates(self) -> np.ndarray:
-        """Coordinate of each slot of a profile along its wall, in the frame of the grid [m]."""
-        return (np.arange(self.solver.books.reaction.shape[1]) - MARGIN) * self.scene.grid.cell_size_m
+    def inside(self, points: dict[str, np.ndarray]) -> np.ndarray:
+        """Which of `points()` are finite and within the grid less its margin."""
+        grid = self.solver.grid
+        place = points["position"] + np.array([0.0, self.displacement])
+        top = np.array([grid.columns - 2 * MARGIN, grid.rows - 2 * MARGIN]) * grid.cell_size
+        return ((place > -grid.cell_size) & (place < top)).all(axis=1) & np.isfinite(points["stress"]).all(axis=1)

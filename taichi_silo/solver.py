@@ -122,7 +122,7 @@ class Solver:
             )
         for p in range(self.particles.count):
             step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
-            gather(self.particles, self.grid, self.shape, self.law, p, step)
+            gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
 
     @ti.kernel
     def _steps_alone(self, steps: ti.i32, dt: real, g0: real, g1: real, f0: real, f1: real, filling_drag: real):
@@ -135,7 +135,7 @@ class Solver:
                 for i in range(self.grid.columns):
                     integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step, False)
             for p in range(self.particles.count):
-                gather(self.particles, self.grid, self.shape, self.law, p, step)
+                gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
 
     @ti.kernel
     def _steps_together(
@@ -155,15 +155,15 @@ class Solver:
                         integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step, False)
                 self._wait(passed + self.threads * (2 * number + 2))
                 for p in range(first, last):
-                    gather(self.particles, self.grid, self.shape, self.law, p, step)
+                    gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
 
     @ti.func
     def _wait(self, arrivals):
         """Wait until all threads have arrived."""
         ti.atomic_add(self.arrivals[0], 1)
         turns = 0
-        while ti.atomic_max(self.arrivals[0], -1) < arrivals and turns < SPIN_LIMIT:  # an atomic load
-            turns += 1
+        while ti.atomic_max(self.arrivals[0], -1) < arrivals and turns < SPIN_LIMIT and self.arrivals[LOST] == 0:
+            turns += 1  # the maximum with -1 is an atomic load
         if turns >= SPIN_LIMIT:
             self.arrivals[LOST] = 1
 

@@ -95,7 +95,10 @@ def integrate_node(
 
 
 @ti.func
-def gather(particles: ti.template(), grid: ti.template(), shape: ti.template(), law: ti.template(), p, step):
+def gather(
+    particles: ti.template(), grid: ti.template(), shape: ti.template(), law: ti.template(), control: ti.template(),
+    p, step,
+):  # fmt: skip
     """Grid to particles: velocity, position, then stress and volume of point p (stress last)."""
     first, sx, gx, sy, gy = weights(grid, shape, particles.position[p])
     v = ti.Vector([0.0, 0.0])
@@ -113,7 +116,10 @@ def gather(particles: ti.template(), grid: ti.template(), shape: ti.template(), 
             ly += sx[a] * gy[b] * node
     lx /= grid.cell_size
     ly /= grid.cell_size
-    particles.velocity[p] += dv  # FLIP: only the change is taken, so nothing is smeared
+    moved = particles.velocity[p] + dv  # FLIP: only the change is taken, so nothing is smeared
+    if ti.static(control.relaxation > 0.0):
+        moved += control.relaxation * step.dt * (v - moved)
+    particles.velocity[p] = moved
     particles.position[p] += step.dt * (v - ti.Vector([0.0, step.frame_velocity]))
 
     zero = 0.0 * lx[0]

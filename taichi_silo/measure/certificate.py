@@ -7,57 +7,66 @@ from taichi_silo.measure.deformation import net_shear
 
 SURFACE = 0.9  # of the fill height; above, the mean stress is a few pascals and the law is not calibrated
 UNSHEARED = 0.005  # net shear strain up to which shear explains no densification
-MEAN_SPAN_PERIODS = 2.5  # of the moving mean that noise is measured against
-STEADY_FROM = 0.1  # of the final displacement: from here the start of the bottom has rung down
+MEAN_SPAN_PERIODS = (
+    3  # of the moving mean that noise is measured against; a whole number, or the column's mode stays in it
+)
+STEADY_AFTER_PERIODS = 7.5  # since the bottom began to move: its start, five periods, and the noise control's memory
 
 
-def certificate(records: pd.DataFrame, filled: dict, final: dict, scene, period_s: float, total_mass: float) -> dict:
-    """Measures of a run; those that need a flow are absent without one.
+def certificate(records: pd.DataFrame, filled: dict | None, final: dict, simulation) -> dict:
+    """Measures of a run; those that it did not get far enough for are absent.
 
     Parameters
     ----------
     records : one row an interval (attributes of `simulation.Record`, less the profile).
-    filled, final : states of the points after filling and at the end (`Simulation.points` plus `displacement_m`
-        and `time_s`).
-    scene : the scene.
-    period_s : of the column's slowest mode.
-    total_mass : [kg/m].
+    filled, final : states of the points after filling (None before) and at the end (`Simulation.points` plus
+        `displacement_m` and `time_s`).
+    simulation : the simulation.
 
     """
-    weight = scene.weight_N_per_m
+    weight = simulation.scene.weight_N_per_m
     found = {
         "force_balance_residual_over_weight": float(records.residual_N_per_m.abs().max() / weight),
         "largest_time_step_over_stable": float((records.time_step_s / records.stable_step_s).max()),
+        "settled_before_flow": bool(simulation.settled),
     }
     flow = records[records.stage == "flow"]
     if flow.empty or filled is None:
         return found
-    steady = flow[flow.displacement_m >= STEADY_FROM * scene.flow.displacement_m]
-    rigid = 0.5 * total_mass * scene.flow.speed_m_per_s**2
-    found |= {
-        "kinetic_energy_over_rigid_motion": _range(steady.kinetic_energy_J_per_m / rigid),
-        "largest_kinetic_energy_over_work": float(
-            (steady.kinetic_energy_J_per_m / (weight * steady.displacement_m)).max()
-        ),
-        "noise_of_normal_force": noise(steady.normal_N_per_m, steady.interval_s, MEAN_SPAN_PERIODS * period_s),
-        "noise_control_force_over_weight": float(
-            _rolling(steady.control_N_per_m, steady.interval_s, period_s).abs().max() / weight
-        ),
-        "left_right_difference_over_weight": float(
-            (flow.left_normal_N_per_m - flow.right_normal_N_per_m).abs().max() / weight
-        ),
+    difference = (flow.left_normal_N_per_m - flow.right_normal_N_per_m).abs()
+    found["left_right_difference_over_weight"] = float(difference.max() / weight)
+    if (difference > 1e-9 * weight).any():
+        onset = flow.displacement_m[difference > 1e-9 * weight]
+        found["left_right_difference_from_displacement_m"] = float(onset.iloc[0])
+    work = weight * flow.displacement_m
+    found["largest_kinetic_energy_over_work"] = float((flow.kinetic_energy_J_per_m / work).max())
+    found |= _steady_measures(flow, simulation)
+    return found | _state_measures(filled, final, simulation.scene)
+
+
+def _steady_measures(flow: pd.DataFrame, simulation) -> dict:
+    """Noise, once the start of the bottom has rung down."""
+    period, weight = simulation.period, simulation.scene.weight_N_per_m
+    steady = flow[flow.time_s > simulation.flow_start + STEADY_AFTER_PERIODS * period]
+    if len(steady) < 2 * MEAN_SPAN_PERIODS * period / flow.interval_s.median():
+        return {}
+    # means over a period: the control answers single oscillations by design
+    control = _rolling(steady.control_N_per_m, steady.interval_s, period).abs() / weight
+    rigid = 0.5 * simulation.mass * simulation.scene.flow.speed_m_per_s**2
+    energy = steady.kinetic_energy_J_per_m / rigid
+    return {
+        "kinetic_energy_over_rigid_motion": [float(energy.min()), float(energy.max())],
+        "noise_of_normal_force": noise(steady.normal_N_per_m, steady.interval_s, MEAN_SPAN_PERIODS * period),
+        "noise_control_force_over_weight_99th_percentile": float(control.quantile(0.99)),
+        "largest_noise_control_force_over_weight": float(control.max()),
     }
-    uneven = flow[(flow.left_normal_N_per_m - flow.right_normal_N_per_m).abs() > 1e-9 * weight]
-    if not uneven.empty:
-        found["left_right_difference_from_displacement_m"] = float(uneven.displacement_m.iloc[0])
-    return found | _state_measures(filled, final, scene)
 
 
 def _state_measures(filled: dict, final: dict, scene) -> dict:
     width, height = scene.silo.width_m, scene.silo.height_m
     x, y = filled["position"].T
     below = y < SURFACE * height
-    core = below & (np.abs(x - 0.5 * width) < 0.25 * width)
+    core = below & (np.abs(x - 0.5 * width) <= 0.25 * width * (1.0 + 1e-9))
     mass = filled["mass"]
     growth = final["void_ratio"] - filled["void_ratio"]
     path = final["path"] - filled["path"]
@@ -85,7 +94,3 @@ def noise(force: pd.Series, interval_s: pd.Series, span_s: float) -> float:
 def _rolling(values: pd.Series, interval_s: pd.Series, span_s: float) -> pd.Series:
     rows = max(1, round(span_s / interval_s.median()))
     return values.rolling(rows, center=True, min_periods=rows).mean()
-
-
-def _range(values: pd.Series) -> list[float]:
-    return [float(values.min()), float(values.max())]

@@ -10,7 +10,10 @@ from taichi_silo.observers import Observer
 
 
 class Checkpoint(Observer):
-    """`checkpoint.npz`: all that a run needs to go on, written every few minutes of work and at the end."""
+    """`checkpoint.npz`: points, nodal memory, clock and scene, after filling, every few minutes and at the end.
+
+    A state that is not finite never replaces a good one.
+    """
 
     def __init__(self, file: Path, every_s: float = 120.0):
         self.file, self.every = file, every_s
@@ -26,6 +29,10 @@ class Checkpoint(Observer):
             self.end()
             self.due = time.monotonic() + self.every
 
+    def filled(self) -> None:
+        """Write: the filling need not be done again."""
+        self.end()
+
     def end(self) -> None:
         """Write, in one piece or not at all."""
         simulation = self.simulation
@@ -34,11 +41,17 @@ class Checkpoint(Observer):
             "displacement_m": simulation.displacement,
             "stage": simulation.stage,
             "steps": simulation.steps,
+            "flow_start_s": simulation.flow_start,
+            "bottom_speed_m_per_s": simulation.bottom_speed,
+            "settled": simulation.settled,
             "scene": simulation.scene.model_dump(),
         }
+        arrays = simulation.particles.arrays()
+        if not all(np.isfinite(array).all() for array in arrays.values()):
+            return
         temporary = self.file.with_suffix(".part.npz")
         np.savez(
             temporary, header=json.dumps(state), grid_memory=simulation.solver.grid.memory.to_numpy(),
-            **simulation.particles.arrays(),
+            **arrays,
         )  # fmt: skip
         temporary.replace(self.file)

@@ -7,6 +7,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
 from taichi_silo.observers import Observer
+from taichi_silo.simulation import RAMP_PERIODS
 
 LINE_EVERY = 0.1  # of the run, where no terminal shows a moving line
 SMOOTHING = 0.05  # of the forces shown
@@ -21,7 +22,7 @@ class ProgressLine(Observer):
     def begin(self, simulation) -> None:
         """Estimate the whole in simulated seconds."""
         scene = simulation.scene
-        ramp = 0.5 * 5.0 * simulation.period
+        ramp = 0.5 * RAMP_PERIODS * simulation.period
         self.total = (
             scene.method.filling_time_s + 5.0 * simulation.period + ramp
             + scene.flow.displacement_m / scene.flow.speed_m_per_s
@@ -58,6 +59,7 @@ class ProgressLine(Observer):
     def end(self) -> None:
         """Leave the last line on the screen."""
         if self.bar is not None:
+            self.bar.refresh()
             self.bar.stop()
 
 

@@ -11,10 +11,10 @@ import pandas as pd
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.measure.certificate import certificate
 from taichi_silo.measure.shear_zones import interior_zone_count, wall_zone_thickness_m
-from taichi_silo.measure.wall_pressure import cell_mean
+from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
 from taichi_silo.observers import Observer
 from taichi_silo.simulation import ROWS_PER_PERIOD
-from taichi_silo.theory.janssen import Janssen
+from taichi_silo.theory.janssen import Janssen, pressure_ratio_from_normal_force
 
 RESIDUAL_SHARE = 0.05  # of the final displacement: the last part, whose mean is the residual state
 CORNER_M = 0.0125  # above the bottom: wall stresses there belong to the corner
@@ -55,12 +55,10 @@ class Summary(Observer):
         scene, records = simulation.scene, pd.DataFrame(self.records)
         found = {"finished": self.failure is None}
         if self.failure is not None:
-            found["failure"] = str(self.failure)
+            found["failure"] = self.failure
         if not records.empty:
             found |= self._forces(records)
-            found["certificate"] = certificate(
-                records, self.after_filling, self._state(), scene, simulation.period, simulation.mass
-            )
+            found["certificate"] = certificate(records, self.after_filling, self._state(), simulation)
         if self.after_filling is not None:
             found["janssen"] = self._janssen(found["filling"])
             found["shear_zones"] = self._zones()
@@ -114,7 +112,17 @@ class Summary(Observer):
             "pressure_ratio_measured": ratio,
         }
         density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
+        try:
+            found["pressure_ratio_fitted"] = float(
+                pressure_ratio_from_normal_force(
+                    filling["normal_N_per_m"], scene.silo.width_m, scene.silo.height_m, density, angle
+                )
+            )
+        except ValueError:  # no pressure ratio gives this force: a wall without contact, or a fill that hangs
+            found["pressure_ratio_fitted"] = None
         for key in ("K0", "measured"):
+            if not found[f"pressure_ratio_{key}"] > 0.0:
+                continue
             theory = Janssen(scene.silo.width_m, scene.silo.height_m, density, angle, found[f"pressure_ratio_{key}"])
             forces = (theory.normal_force_N_per_m, theory.shear_force_N_per_m, theory.bottom_force_N_per_m)
             for name, value in zip(("normal_N_per_m", "shear_N_per_m", "bottom_N_per_m"), forces, strict=True):
@@ -130,8 +138,9 @@ class Summary(Observer):
             for _, wall in rows.groupby("wall"):
                 height, stress = wall.height_m.to_numpy(), wall.normal_stress_Pa.to_numpy()
                 inside = height > height[0] + CORNER_M
-                node = max(node, float(stress[inside].max()))
-                cell = max(cell, float(cell_mean(height, stress)[inside].max()))
+                clear = height > height[0] + CORNER_M + 0.5 * CELL_M
+                node = max(node, float(stress[inside].max(initial=0.0)))
+                cell = max(cell, float(cell_mean(height, stress)[clear].max(initial=0.0)))
             found[state] = {"node": node, "pressure_cell": cell}
         return found
 
@@ -171,10 +180,12 @@ def _means(rows: pd.DataFrame) -> dict:
 
 
 def measured_pressure_ratio(points: dict, scene, spacing_m: float) -> float:
-    """K: horizontal stress of the points next to the walls over the mean vertical stress at the same height."""
+    """K: mean horizontal stress of the points next to the walls over the mean vertical stress in the same band."""
     x, y = points["position"].T
     horizontal, vertical = -points["stress"][:, 0], -points["stress"][:, 1]
     low, high = (share * scene.silo.height_m for share in PROFILE_BAND)
     band = (y > low) & (y < high)
     wall = band & ((x < spacing_m) | (x > scene.silo.width_m - spacing_m))
+    if not wall.any():
+        return float("nan")
     return float(horizontal[wall].mean() / np.average(vertical[band], weights=points["volume"][band]))

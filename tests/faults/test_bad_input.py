@@ -34,10 +34,12 @@ def refuse(folder, *flags):
         (["--points-per-cell", "3"], ["points per cell", "3", "square"]),
         (["--threads", "4000"], ["threads", "4000"]),
         (["--walls", "greasy"], ["greasy", "smooth", "very-rough"]),
-        (["--wall-friction-angle", "95"], ["friction_angle_deg", "95", "below 90"]),
+        (["--walls", "smooth", "--wall-friction-angle", "95"], ["friction_angle_deg", "95", "below 90"]),
         (["--arch", "abacus"], ["abacus", "cpu", "cuda"]),
         (["--viod-ratio", "0.6"], ["--viod-ratio", "--void-ratio"]),
         (["--speed", "fast"], ["speed", "fast"]),
+        (["--speed=fast"], ["speed", "fast"]),
+        (["--wall-friction-angle", "25"], ["25", "very rough"]),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) and value[0].startswith("--") else "",
 )

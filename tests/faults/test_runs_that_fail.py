@@ -1,6 +1,8 @@
 """A run that goes wrong stops with time, place and cause, and keeps everything up to then."""
 
 import json
+import os
+import signal
 
 import numpy as np
 import pandas as pd
@@ -17,14 +19,14 @@ SCENE = Scene(
 class Saboteur(Observer):
     """Changes a field of the points at a time."""
 
-    def __init__(self, time_s, **fields):
-        self.time, self.fields, self.done = time_s, fields, False
+    def __init__(self, time_s, stage="filling", **fields):
+        self.time, self.stage, self.fields, self.done = time_s, stage, fields, False
 
     def begin(self, simulation):
         self.simulation = simulation
 
     def observe(self, record):
-        if record.time_s > self.time and not self.done:
+        if record.time_s > self.time and record.stage == self.stage and not self.done:
             arrays = self.simulation.particles.arrays()
             for name, value in self.fields.items():
                 arrays[name][7] = value
@@ -41,7 +43,6 @@ def fails(folder, scene=SCENE, extra=()):
     assert summary["failure"] == str(caught.value)
     assert len(forces) > 3
     assert np.isfinite(forces.drop(columns="stage").iloc[:-1]).all(axis=None)
-    assert (folder / "checkpoint.npz").exists()
     return str(caught.value)
 
 
@@ -65,3 +66,58 @@ def test_a_time_step_above_the_stable_one_is_refused_before_the_sand_explodes(tm
 def test_sand_denser_than_any_packing_is_found(tmp_path):
     message = fails(tmp_path / "run", extra=(Saboteur(0.1, volume=0.0025 * 1.40 / 1.60),))
     assert "void ratio falls to 0.4" in message
+
+
+def test_a_failure_at_the_very_start_of_the_flow_keeps_the_filling(tmp_path):
+    message = fails(tmp_path / "run", extra=(Saboteur(0.0, stage="flow", stress=np.nan),))
+    assert "(flow, u = 0.0" in message
+    assert {file.name for file in (tmp_path / "run" / "figures").iterdir()} >= {"forces.png", "void_ratio.png"}
+    with np.load(tmp_path / "run" / "checkpoint.npz") as state:
+        assert all(np.isfinite(state[name]).all() for name in state.files if name != "header")
+
+
+class Interrupter(Observer):
+    """Presses Ctrl-C."""
+
+    def observe(self, record):
+        if record.time_s > 0.1:
+            os.kill(os.getpid(), signal.SIGINT)
+
+
+def test_ctrl_c_stops_between_two_intervals_and_keeps_everything(tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        run(SCENE, tmp_path / "run", film=False, extra=(Interrupter(),))
+    forces = pd.read_csv(tmp_path / "run" / "forces.csv")
+    with np.load(tmp_path / "run" / "checkpoint.npz") as state:
+        header = json.loads(str(state["header"]))
+    assert header["time_s"] == pytest.approx(forces.time_s.iloc[-1])
+    assert json.loads((tmp_path / "run" / "summary.json").read_text())["failure"] == "KeyboardInterrupt"
+
+
+def test_overwriting_leaves_nothing_of_the_earlier_run(tmp_path):
+    folder = tmp_path / "run"
+    (folder / "snapshots").mkdir(parents=True)
+    for name in ("run.toml", "void_ratio.mp4", "summary.json", "snapshots/old.vtu"):
+        (folder / name).write_text("old")
+    with pytest.raises(RunFailed):
+        run(SCENE, folder, overwrite=True, film=False, extra=(Saboteur(0.05, stress=np.nan),))
+    assert not (folder / "void_ratio.mp4").exists()
+    assert not (folder / "snapshots" / "old.vtu").exists()
+    assert "old" not in (folder / "run.toml").read_text()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"silo": {"width_m": 0.1, "height_m": 0.1}, "flow": {"speed_m_per_s": 0.02, "displacement_m": 0.002}},
+        {"flow": {"speed_m_per_s": 0.3, "displacement_m": 0.002}},
+        {"flow": {"speed_m_per_s": 0.02, "displacement_m": 1e-7}},
+        {"flow": {"speed_m_per_s": 0.1, "displacement_m": 0.08}},
+        {"grid": {"cell_size_m": 0.05, "points_per_cell": 4}},
+        {"method": {"noise_control": "none", "filling_time_s": 0.2, "longest_settling_s": 0.1}},
+    ],
+    ids=["two by two cells", "ends in the ramp", "one interval", "sand hangs far above", "four points", "no control"],
+)
+def test_extreme_scenes_end_well(tmp_path, changes):
+    run(Scene.model_validate(SCENE.model_dump() | changes), tmp_path / "run", film=False)
+    assert json.loads((tmp_path / "run" / "summary.json").read_text())["finished"]

@@ -70,6 +70,11 @@ def test_parameters_run_again(folder):
     assert scene.grid.cell_size_m == 0.05
     assert scene.walls.kind == "smooth"
     assert scene.wall_friction_angle_deg == 19.0
+    place = folder.parent / "again"
+    script = SCRIPT.with_name("again.py")
+    command = [sys.executable, str(script), str(folder / "run.toml"), "--output", str(place), "--no-film"]
+    subprocess.run(command, check=True, capture_output=True, timeout=300)
+    assert (place / "forces.csv").read_text() == (folder / "forces.csv").read_text()
     text = (folder / "run.toml").read_text()
     assert all(name in text for name in ("revision", "taichi", "precision", "wall_seconds", "arch"))
 

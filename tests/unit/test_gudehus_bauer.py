@@ -77,7 +77,8 @@ def test_wave_speed_bounds_the_stiffness_in_every_direction():
         bound = wave_speed(SAND, stress, e) ** 2 * SAND.grain_density / (1.0 + e)
         angle = rng.uniform(0, math.pi)
         n = np.array([math.cos(angle), math.sin(angle)])
-        for m in (n, -n):
+        turn = rng.uniform(0, math.pi)
+        for m in (n, -n, np.array([math.cos(turn), math.sin(turn)])):
             found = rate(stress, e, [n[0] * m[0], n[1] * m[1], 0.0, 0.5 * (n[0] * m[1] + n[1] * m[0])])
             pull = np.array([[found[0], found[3]], [found[3], found[1]]]) @ n
             assert pull @ m < bound * (1 + 1e-6)
