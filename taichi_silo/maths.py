@@ -1,7 +1,7 @@
 """Elementary functions, each for a scalar and for a vector of lanes alike.
 
-Formulas of the project use + - * /, min, max, sqrt, select and these functions only, and never branch at
-run time, so that one source serves a GPU thread, a stress point and a group of particles.
+Formulas of a point (laws, shapes) use + - * /, min, max, sqrt, select and these functions only, and never branch at
+run time, so that one source serves a GPU thread, a stress point and a group of particles. Branches belong to the loops.
 """
 
 import taichi as ti

@@ -1,6 +1,7 @@
 """What the figures need from a run's folder. Whatever file is missing reads as empty."""
 
 import json
+import tomllib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -9,17 +10,13 @@ import meshio
 import numpy as np
 import pandas as pd
 
+from taichi_silo.laws import GudehusBauer
+from taichi_silo.scene import LOOSE_FROM
 from taichi_silo.theory.janssen import Janssen
-
-try:
-    import tomllib
-except ModuleNotFoundError:  # Python 3.10
-    import tomli as tomllib
 
 GRAVITY = 9.81  # m/s2
 TABLE_PRESSURE_RATIO = 0.45  # sand, EN 1991-4 table E.1
 REST_SPAN_S = 0.05  # the end of the filling stage over which the state at rest is averaged
-LOOSE_FROM = 0.75  # void ratio from which on the figures call sand loose
 
 
 @dataclass(frozen=True)
@@ -178,7 +175,7 @@ def critical_simple_shear_angle_deg(critical_friction_angle_deg: float) -> float
     All normal stresses are then equal, cos(3 theta) is 0 and the stress deviator's norm is x = a1, where
     1 / a1 = c1 + c2 x; the ratio is 3 x / sqrt(2). Values of c1 and c2: Bauer (1996).
     """
-    sine = np.sin(np.radians(critical_friction_angle_deg))
-    c1, c2 = np.sqrt(3.0 / 8.0) * (3.0 - sine) / sine, 3.0 / 8.0 * (3.0 + sine) / sine
+    law = GudehusBauer(critical_friction_angle_deg=critical_friction_angle_deg)
+    c1, c2 = law.c1, law.c2
     x = (np.sqrt(c1**2 + 4.0 * c2) - c1) / (2.0 * c2)
     return float(np.degrees(np.arctan(3.0 * x / np.sqrt(2.0))))
