@@ -47,10 +47,8 @@ def test_the_balance_closes_and_the_noise_is_small(cases, name):
     certificate = cases[name].certificate
     assert certificate["force_balance_residual_over_weight"] < 1e-9
     assert certificate["noise_of_normal_force"] < 0.01
-    assert certificate["noise_control_force_over_weight_99th_percentile"] < 0.003
-    # loose sand along very rough walls collapses now and then: that tenth of a second is not steady
-    largest = 0.01 if name == "loose_very-rough" else 0.003
-    assert certificate["largest_noise_control_force_over_weight"] < largest
+    assert certificate["largest_noise_control_force_over_weight"] < 0.003
+    assert certificate["kinetic_energy_over_rigid_motion"][1] < 5.0
     assert certificate["inertial_number_99th_percentile"] < 1e-3
     assert certificate["largest_time_step_over_stable"] < 1.2
 
