@@ -27,7 +27,7 @@ class ProgressLine(Observer):
             scene.method.filling_time_s + 5.0 * simulation.period + ramp
             + scene.flow.displacement_m / scene.flow.speed_m_per_s
         )  # fmt: skip
-        self.begun, self.printed, self.forces = time.monotonic(), 0.0, None
+        self.begun, self.printed, self.forces, self.text = time.monotonic(), 0.0, None, ""
         self.bar = None
         if self.console.is_terminal:
             self.bar = Progress(
@@ -50,6 +50,7 @@ class ProgressLine(Observer):
             f"{record.stage:7s} t = {record.time_s:7.3f} s  u = {1e3 * record.displacement_m:6.2f} mm  "
             f"{_clock(left)} left  P {p:.3f}  T {t:.3f}  N {n:.3f} kN/m"
         )
+        self.text = text
         if self.bar is not None:
             self.bar.update(self.task, completed=part, description=text)
         elif part >= self.printed + LINE_EVERY:
@@ -57,10 +58,12 @@ class ProgressLine(Observer):
             self.console.print(f"{100 * part:5.1f} %  {text}", highlight=False, soft_wrap=True)
 
     def end(self) -> None:
-        """Leave the last line on the screen."""
+        """Leave the last state on the screen."""
         if self.bar is not None:
             self.bar.refresh()
             self.bar.stop()
+        elif self.text:
+            self.console.print(f"   end   {self.text}", highlight=False, soft_wrap=True)
 
 
 def _clock(seconds: float) -> str:
