@@ -1,7 +1,7 @@
 """What noise does to the wall force: dense sand between smooth walls, with and without noise control.
 
 The paper says "no damping was defined". Friction at the walls then feeds the column's slowest oscillation, plain
-hypoplasticity ratchets under it, and the wall normal force N settles a quarter above the value that Janssen's theory
+hypoplasticity ratchets under it, and the wall normal force N settles a third above the value that Janssen's theory
 gives with the sand's own pressure ratio at rest. With a drag towards the recent mean motion it does not.
 
 Cost: about two minutes on two cores.
