@@ -148,6 +148,11 @@ class Simulation:
         """Time between records [s]."""
         return self.period / ROWS_PER_PERIOD
 
+    @property
+    def filling_time(self) -> float:
+        """Duration of the increase of weight [s]: as given, but no faster than the column can follow."""
+        return max(self.scene.method.filling_time_s, SHORTEST_FILLING_PERIODS * self.period)
+
     def run(self):
         """Fill, settle and flow; yields a Record after each interval."""
         yield from self.fill()
@@ -157,7 +162,7 @@ class Simulation:
         """Linear increase of weight, then rest until the wall force no longer changes."""
         self.stage = "filling"
         g = self.scene.method.gravity_m_per_s2
-        duration = max(self.scene.method.filling_time_s, SHORTEST_FILLING_PERIODS * self.period)
+        duration = self.filling_time
         count = math.ceil(duration / self.interval)
         for number in range(count):
             yield self._interval(duration / count, (g * number / count, g * (number + 1) / count), (0.0, 0.0))

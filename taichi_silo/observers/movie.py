@@ -19,7 +19,7 @@ class Movie(Observer):
         """Open the film."""
         self.simulation, scene = simulation, simulation.scene
         settling = 10.0 * simulation.period  # an estimate; a longer rest adds no frames
-        self.filling_span = scene.method.filling_time_s + settling
+        self.filling_span = simulation.filling_time + settling
         self.drawn = {"filling": 0, "flow": 0}
         self.film = Film(
             self.file,

@@ -24,7 +24,7 @@ class ProgressLine(Observer):
         scene = simulation.scene
         ramp = 0.5 * RAMP_PERIODS * simulation.period
         self.total = (
-            scene.method.filling_time_s + 5.0 * simulation.period + ramp
+            simulation.filling_time + 5.0 * simulation.period + ramp
             + scene.flow.displacement_m / scene.flow.speed_m_per_s
         )  # fmt: skip
         self.begun, self.printed, self.forces, self.text = time.monotonic(), 0.0, None, ""
