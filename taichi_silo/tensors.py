@@ -1,7 +1,8 @@
 """Algebra of plane symmetric tensors, kept as tuples (xx, yy, zz, xy).
 
 The out-of-plane component zz is part of every stress and strain rate (plane strain only sets D_zz = 0), and xy
-stands twice in every product, as it does in the 3x3 matrix. The members may be scalars or lanes.
+stands twice in every product, as it does in the 3x3 matrix. The members may be scalars or lanes (which know no
+unary minus: write 0.0 - a).
 Sign convention of the whole solver: tension positive.
 """
 
@@ -12,6 +13,12 @@ import taichi as ti
 def trace(a):
     """A_ii."""
     return a[0] + a[1] + a[2]
+
+
+@ti.func
+def pressure_of(a):
+    """Mean stress p = -tr A / 3, positive in compression."""
+    return trace(a) * (-1.0 / 3.0)
 
 
 @ti.func
@@ -73,4 +80,4 @@ def largest_principal(a):
 def spun(a, spin):
     """W A - A W for the plane spin W_xy = spin = (L_xy - L_yx) / 2: what Jaumann's rate leaves out."""
     turn = 2.0 * spin * a[3]
-    return (turn, -turn, 0.0 * turn, spin * (a[1] - a[0]))
+    return (turn, 0.0 - turn, 0.0 * turn, spin * (a[1] - a[0]))

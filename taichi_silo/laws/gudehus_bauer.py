@@ -17,6 +17,7 @@ from taichi_silo.tensors import (
     chosen,
     inner,
     largest_principal,
+    pressure_of,
     scaled,
     shifted,
     trace,
@@ -94,8 +95,8 @@ class GudehusBauer:
         """Jaumann stress rate [Pa/s]."""
         tr = ti.min(trace(stress), -3.0 * self.rest_stress)
         relative = scaled(stress, 1.0 / tr)
-        deviator = shifted(relative, -trace(relative) / 3.0)
-        f_s, f_d = self.factors(-tr / 3.0, void_ratio)
+        deviator = shifted(relative, pressure_of(relative))
+        f_s, f_d = self.factors(tr * (-1.0 / 3.0), void_ratio)
         a1 = self.a1(deviator)
         linear = added(scaled(D, a1 * a1), relative, inner(relative, D))
         both = added(relative, deviator, 1.0)
@@ -104,12 +105,12 @@ class GudehusBauer:
     @ti.func
     def admissible(self, stress, void_ratio):
         """No tension in any direction, and separated grains (p below rest stress, or e above e_i0) at rest stress."""
-        pressure = -trace(stress) / 3.0
+        pressure = pressure_of(stress)
         pull = largest_principal(stress)
         # the deviator shrinks until the largest principal stress is zero
         fraction = ti.select(pull > 0.0, pressure / (pressure + ti.max(pull, 1e-30)), 1.0)
         zero = 0.0 * pressure
-        drawn = shifted(scaled(shifted(stress, pressure), fraction), -pressure)
+        drawn = shifted(scaled(shifted(stress, pressure), fraction), 0.0 - pressure)
         resting = shifted((zero, zero, zero, zero), zero - self.rest_stress)
         apart = ti.max(self.rest_stress - pressure, void_ratio - self.e_i0) > 0.0
         return chosen(apart, resting, drawn)
@@ -123,8 +124,8 @@ class GudehusBauer:
         """
         tr = ti.min(trace(stress), -3.0 * self.rest_stress)
         relative = scaled(stress, 1.0 / tr)
-        f_s, f_d = self.factors(-tr / 3.0, void_ratio)
-        a1 = self.a1(shifted(relative, -trace(relative) / 3.0))
+        f_s, f_d = self.factors(tr * (-1.0 / 3.0), void_ratio)
+        a1 = self.a1(shifted(relative, pressure_of(relative)))
         largest = ti.min(largest_principal(relative), 1.0)
         return f_s * (a1 * a1 + largest * largest + f_d * a1 * (2.0 * largest - 1.0 / 3.0))
 
