@@ -9,7 +9,7 @@ from taichi_silo.particles import Particles
 from taichi_silo.solver import Solver
 
 
-def block(law, shape, *, width, height, cell, points_per_axis=1, density=1500.0, origin=(0.0, 0.0), box=None):
+def block(*, width, height, cell, points_per_axis=1, density=1500.0, origin=(0.0, 0.0), box=None):
     """A rectangle of points at rest without stress, in a grid over `box` (width, height).
 
     Returns

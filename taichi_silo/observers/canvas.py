@@ -102,7 +102,7 @@ class Canvas:
         self.panel = Box(170, 545 - rows // 2, columns, rows)
         left = self.panel.left + columns + 385
         self.plot = Box(left, 310, RIGHT - left, 670)
-        self.background = self._furniture(width_m, height_m, weight_N_per_m, void_ratio_range, title)
+        self.background = self._furniture(width_m, weight_N_per_m, void_ratio_range, title)
         self._bare_plot = self.background[self.plot.slices].copy()
         self._coverage = np.zeros((len(FORCES), self.plot.rows, self.plot.columns), np.float32)
         self._drawn: np.ndarray | None = None  # (3, 2) where each curve ends so far, pixels of the plot
@@ -111,7 +111,7 @@ class Canvas:
         # four digits at most: the readings must fit their columns
         self._decimals = int(np.clip(3 - np.floor(np.log10(1e-3 * weight_N_per_m)), 0, 3))
 
-    def _furniture(self, width_m, height_m, weight, void_ratio_range, title) -> np.ndarray:
+    def _furniture(self, width_m, weight, void_ratio_range, title) -> np.ndarray:
         """Draw all that never changes; return the page (1080, 1920, 3) of bytes."""
         panel, plot = self.panel, self.plot
         # 72 dots per inch: one matplotlib point is one pixel

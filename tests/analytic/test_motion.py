@@ -19,7 +19,7 @@ BOTH_SHAPES = [Linear(), UniformGimp(0.5)]
 def test_free_fall_is_exact(shape):
     """V = -g t for every point; y = y0 - g dt^2 n (n + 1) / 2; no stress, no reaction, mass kept."""
     law = Elastic(1e6)
-    particles, grid = block(law, shape, width=0.1, height=0.1, cell=0.02, origin=(0.1, 0.5), box=(0.3, 0.7))
+    particles, grid = block(width=0.1, height=0.1, cell=0.02, origin=(0.1, 0.5), box=(0.3, 0.7))
     before = particles.arrays()
     dt, n = 1e-4, 2000
     body = solver(particles, grid, shape, law)
@@ -36,7 +36,7 @@ def test_a_frame_that_moves_changes_nothing_but_the_coordinates():
     law, shape = Elastic(1e6), UniformGimp(0.5)
     ends = []
     for frame in (0.0, -0.3):
-        particles, grid = block(law, shape, width=0.1, height=0.1, cell=0.02, origin=(0.1, 0.3), box=(0.3, 0.5))
+        particles, grid = block(width=0.1, height=0.1, cell=0.02, origin=(0.1, 0.3), box=(0.3, 0.5))
         change(particles, velocity=np.random.default_rng(3).normal(0.0, 0.05, (25, 2)))
         solver(particles, grid, shape, law).advance(200, 1e-4, gravity=(G, G), frame_velocity=(frame, frame))
         ends.append(particles.arrays()["position"] + [0.0, frame * 200 * 1e-4])
@@ -48,7 +48,7 @@ def test_an_elastic_bar_swings_with_its_period():
     """Fixed at one end, free at the other, no lateral strain: T = 4 L / c."""
     law, shape = Elastic(1e6, 0.0), UniformGimp(0.5)
     length, cell, density = 1.0, 0.02, 1500.0
-    particles, grid = block(law, shape, width=length, height=cell * 2, cell=cell, density=density, box=(1.1, 0.08))
+    particles, grid = block(width=length, height=cell * 2, cell=cell, density=density, box=(1.1, 0.08))
     x = particles.arrays()["position"][:, 0]
     shape_of_mode = np.sin(0.5 * math.pi * x / length)
     change(particles, velocity=np.stack([1e-3 * shape_of_mode, 0.0 * x], axis=1))
@@ -74,7 +74,7 @@ class TestBlockOnAnIncline:
     def slide(self, friction_angle_deg):
         """Mean acceleration down the slope, over g, and the share of steps that the wall's cone was kept."""
         law, shape, cell, density = Elastic(2e6, 0.2), UniformGimp(0.5), 0.05, 1500.0
-        particles, grid = block(law, shape, width=0.5, height=0.2, cell=cell, origin=(0.2, 0.0), box=(1.2, 0.3))
+        particles, grid = block(width=0.5, height=0.2, cell=cell, origin=(0.2, 0.0), box=(1.2, 0.3))
         y = particles.arrays()["position"][:, 1]
         normal = -density * G * math.cos(self.slope) * (0.2 - y)
         change(particles, stress=np.stack([0 * y, normal, 0 * y, 0 * y], axis=1))
@@ -106,7 +106,7 @@ def test_sand_may_leave_a_coulomb_wall_but_not_a_very_rough_one():
     law, shape = Elastic(1e5, 0.0), UniformGimp(0.5)
     speeds = {}
     for name, contact in (("coulomb", Coulomb(20.0)), ("very rough", NoSlip())):
-        particles, grid = block(law, shape, width=0.1, height=0.1, cell=0.02, box=(0.3, 0.1))
+        particles, grid = block(width=0.1, height=0.1, cell=0.02, box=(0.3, 0.1))
         change(particles, velocity=np.tile([0.5, 0.0], (25, 1)))
         wall = PlaneWall("left", 0, -1, grid.node_along(0.0), contact)
         body = solver(particles, grid, shape, law, (wall,))
@@ -123,7 +123,7 @@ def column_stress_error(shape):
     """
     height, cell, density = 1.0, 0.05, 1500.0
     law = Elastic(density * G * height / 0.2, 0.0)
-    particles, grid = block(law, shape, width=0.1, height=height, cell=cell, points_per_axis=2, box=(0.1, 1.1))
+    particles, grid = block(width=0.1, height=height, cell=cell, points_per_axis=2, box=(0.1, 1.1))
     start = particles.arrays()["position"][:, 1]
     walls = (
         PlaneWall("left", 0, -1, grid.node_along(0.0), Coulomb()),
