@@ -6,7 +6,6 @@ from taichi_silo.laws.integrate import update
 from taichi_silo.runtime import real
 from taichi_silo.solver import Solver, Step
 from taichi_silo.tensors import norm
-from taichi_silo.transfer import gather, integrate_node, scatter
 
 
 @ti.data_oriented
@@ -32,7 +31,7 @@ class Phases:
         ti.loop_config(serialize=True)
         for _ in range(steps):
             for p in range(self.s.particles.count):
-                scatter(self.s.particles, self.s.grid, self.s.shape, p, 0, False)
+                self.s._scatter(p, 0, False)
 
     @ti.kernel
     def grid(self, steps: ti.i32, dt: real):
@@ -43,10 +42,8 @@ class Phases:
                 for i in range(self.s.grid.columns):
                     k = j * self.s.grid.columns + i
                     self.s.grid.mass[k] = 1.0  # the pass empties its sums
-                    step = Step(dt=0.0 * dt, gravity=9.81, frame_velocity=0.0, filling_drag=0.0)
-                    integrate_node(
-                        self.s.grid, self.s.walls, self.s.control, self.s.books, self.s.down, i, j, step, False
-                    )  # fmt: skip
+                    step = Step(dt=0.0 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
+                    self.s._integrate(i, j, step, False)
 
     @ti.kernel
     def gather(self, steps: ti.i32, dt: real):
@@ -54,8 +51,8 @@ class Phases:
         ti.loop_config(serialize=True)
         for _ in range(steps):
             for p in range(self.s.particles.count):
-                step = Step(dt=1e-3 * dt, gravity=9.81, frame_velocity=0.0, filling_drag=0.0)
-                gather(self.s.particles, self.s.grid, self.s.shape, self.s.law, self.s.control, p, step)
+                step = Step(dt=1e-3 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
+                self.s._gather(p, step, 0)
 
     @ti.kernel
     def law(self, steps: ti.i32, dt: real):
@@ -67,6 +64,8 @@ class Phases:
                 e = self.s.particles.volume[p] * self.s.law.grain_density / self.s.particles.mass[p] - 1.0
                 v = self.s.particles.velocity[p]
                 D = (1e-6 * v[0], 1e-6 * v[1] - 1e-6, 0.0 * v[0], 1e-6 * v[1])
-                a, b, c, d, void_ratio = update(self.s.law, (s[0], s[1], s[2], s[3]), e, D, 1e-6 * v[1], norm(D), dt)
+                a, b, c, d, _, _, _, _, void_ratio = update(
+                    self.s.law, (s[0], s[1], s[2], s[3]), (0.0, 0.0, 0.0, 0.0), e, D, 1e-6 * v[1], norm(D), dt
+                )
                 self.s.particles.stress[p] = ti.Vector([a, b, c, d])
                 self.sink[None] = void_ratio

@@ -11,8 +11,8 @@ MARGIN = 2  # nodes beyond the sand on every side: a domain that reaches through
 class Grid:
     """Square cells over a box [0, width] x [0, height], node (i, j) at ((i - MARGIN) h, (j - MARGIN) h).
 
-    The grid may be laid anew in each step, so its origin follows the bottom plate; no field here outlives a step but
-    `memory`.
+    The grid may be laid anew in each step, so its origin follows the bottom plate of a silo, or its height the top
+    plate of a specimen; no field here outlives a step but `memory` and `stretch`.
 
     ==============  ==========  ========================================================================
     field           shape       meaning
@@ -23,6 +23,7 @@ class Grid:
     velocity        node        after the step [m/s]
     change          node        of the velocity in the step [m/s]
     memory          node        exponential mean of the velocity, for the noise control [m/s]
+    stretch         copy        height of the grid over its first height [-], one copy for each thread
     ==============  ==========  ========================================================================
 
     Parameters
@@ -30,13 +31,25 @@ class Grid:
     width_m, height_m : size of the box that sand may fill.
     cell_size_m : h.
     copies : number of copies of the three sums.
+    follows : "bottom": the grid rides on the plate; "top": its height follows the plate, y = 0 stands still;
+        "surface": its height follows the free nodes at y = height; "nothing".
+    periodic : whether column `width / h` is column 0 again.
 
     """
 
-    def __init__(self, width_m: float, height_m: float, cell_size_m: float, copies: int = 1):
-        self.cell_size = cell_size_m
-        self.columns = round(width_m / cell_size_m) + 1 + 2 * MARGIN
-        self.rows = round(height_m / cell_size_m) + 1 + 2 * MARGIN
+    FOLLOWS = ("bottom", "top", "surface", "nothing")
+
+    def __init__(
+        self, width_m: float, height_m: float, cell_size_m: float, copies: int = 1, follows: str = "bottom",
+        periodic: bool = False,
+    ):  # fmt: skip
+        if follows not in self.FOLLOWS:
+            raise ValueError(f"follows is {follows!r}; it must be one of {', '.join(self.FOLLOWS)}")
+        self.cell_size, self.height = cell_size_m, height_m
+        self.follows, self.periodic = follows, periodic
+        self.columns = round(width_m / cell_size_m) + (0 if periodic else 1 + 2 * MARGIN)
+        self.top = round(height_m / cell_size_m) + MARGIN
+        self.rows = self.top + 1 + MARGIN
         self.nodes = self.columns * self.rows
         self.copies = copies
         self.mass = ti.field(real)
@@ -47,6 +60,8 @@ class Grid:
         self.change = ti.Vector.field(2, real)
         ti.root.dense(ti.i, self.nodes).place(self.velocity, self.change)
         self.memory = ti.Vector.field(2, real, shape=self.nodes)
+        self.stretch = ti.field(real, shape=copies)
+        self.stretch.fill(1.0)
 
     def node_along(self, position_m: float) -> int:
         """Index, along its axis, of the node at a coordinate.
@@ -61,3 +76,46 @@ class Grid:
         if abs(cells - round(cells)) > 1e-6:
             raise ValueError(f"{position_m} m is not on a grid line of {self.cell_size} m cells")
         return round(cells) + MARGIN
+
+    @property
+    def present_height(self) -> float:
+        """Distance of the plates [m] (Python scope)."""
+        return self.height * float(self.stretch[0])
+
+    @ti.func
+    def node(self, i, j):
+        """Flat index of the node in column i (any number if periodic) and row j."""
+        column = i
+        if ti.static(self.periodic):
+            column = i % self.columns
+        return j * self.columns + column
+
+    @ti.func
+    def cell_height(self, t):
+        """Height of a cell [m]."""
+        height = self.cell_size
+        if ti.static(self.follows in ("top", "surface")):
+            height = self.cell_size * self.stretch[t]
+        return height
+
+    @ti.func
+    def velocity_of_origin(self, step):
+        """How fast the grid as a whole moves [m/s]."""
+        rides = 1.0 if ti.static(self.follows == "bottom") else 0.0
+        return ti.Vector([0.0, rides * step.plate_velocity])
+
+    @ti.func
+    def velocity_of_frame(self, step, j):
+        """How fast the nodes of row j move [m/s]."""
+        upwards = self.velocity_of_origin(step)[1]
+        if ti.static(self.follows == "top"):
+            upwards = step.plate_velocity * (j - MARGIN) / (self.top - MARGIN)
+        return ti.Vector([0.0, upwards])
+
+    @ti.func
+    def follow(self, t, step):
+        """The height of thread t's grid after the step."""
+        if ti.static(self.follows == "top"):
+            self.stretch[t] += step.dt * step.plate_velocity / self.height
+        if ti.static(self.follows == "surface"):
+            self.stretch[t] += step.dt * self.velocity[self.top * self.columns][1] / self.height

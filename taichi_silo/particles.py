@@ -19,29 +19,34 @@ class Particles:
     mass            scalar      [kg/m]
     volume          scalar      present volume, grains and voids [m2]
     path            scalar      path length of the strain, integral of ||D|| dt [-]
+    intergranular   4           intergranular strain h (xx, yy, zz, xy); only for a law that remembers
     ==============  ==========  ========================================================================
 
     The void ratio is no field of its own: e = volume * grain density / mass - 1.
+    In axial symmetry masses and volumes are per radian.
     """
 
     NAMES = ("position", "velocity", "stress", "mass", "volume", "path")
 
-    def __init__(self, count: int):
+    def __init__(self, count: int, remembers: bool = False):
         self.count = count
+        self.names = self.NAMES + (("intergranular",) if remembers else ())
         self.position = ti.Vector.field(2, real)
         self.velocity = ti.Vector.field(2, real)
         self.stress = ti.Vector.field(4, real)
         self.mass = ti.field(real)
         self.volume = ti.field(real)
         self.path = ti.field(real)
+        if remembers:
+            self.intergranular = ti.Vector.field(4, real)
         # one record a point: a point's data lie in two neighbouring cache lines
-        ti.root.dense(ti.i, count).place(*(getattr(self, name) for name in self.NAMES))
+        ti.root.dense(ti.i, count).place(*(getattr(self, name) for name in self.names))
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All fields as arrays, first axis the points."""
-        return {name: getattr(self, name).to_numpy() for name in self.NAMES}
+        return {name: getattr(self, name).to_numpy() for name in self.names}
 
     def load(self, arrays: dict[str, np.ndarray]) -> None:
         """Set all fields from arrays of the same shapes."""
-        for name in self.NAMES:
+        for name in self.names:
             getattr(self, name).from_numpy(np.ascontiguousarray(arrays[name], dtype=np.float64))

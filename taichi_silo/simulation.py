@@ -137,7 +137,7 @@ class Simulation:
             PlaneWall("left", 0, -1, grid.node_along(0.0), side),
             PlaneWall("right", 0, 1, grid.node_along(scene.silo.width_m), side),
             PlaneWall(
-                "bottom", 1, -1, grid.node_along(0.0), Coulomb(scene.walls.bottom_friction_angle_deg), moves=True
+                "bottom", 1, -1, grid.node_along(0.0), Coulomb(scene.walls.bottom_friction_angle_deg), motion=(0.0, 1.0)
             ),
         )
 
@@ -194,7 +194,7 @@ class Simulation:
         part = min(since_start / (RAMP_PERIODS * self.period), 1.0)
         return self.scene.flow.speed_m_per_s * part * part * (3.0 - 2.0 * part)
 
-    def _interval(self, duration: float, gravity, frame_velocity) -> Record:
+    def _interval(self, duration: float, gravity, plate_velocity) -> Record:
         scene, solver = self.scene, self.solver
         before = solver.survey()
         # while the weight grows so does the wave speed, with the fourth root of the stress
@@ -204,12 +204,12 @@ class Simulation:
         dt = duration / steps
         filling = self.control.filling_drag if self.stage == "filling" else 0.0
         begun = time.perf_counter()
-        solver.advance(steps, dt, gravity, frame_velocity, filling)
+        solver.advance(steps, dt, gravity, plate_velocity, filling)
         reaction, control = solver.books.take()  # waits for the device
         self.stepping_seconds += time.perf_counter() - begun
         after = solver.survey()
         self.time += duration
-        self.displacement -= 0.5 * (frame_velocity[0] + frame_velocity[1]) * duration
+        self.displacement -= 0.5 * (plate_velocity[0] + plate_velocity[1]) * duration
         self.steps += steps
         profile = reaction / duration
         force = profile.sum(axis=1)

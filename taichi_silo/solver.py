@@ -1,18 +1,21 @@
 """The explicit step, in the order of the paper's section 3, and the loops over points and nodes."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
 import taichi as ti
 
 from taichi_silo import runtime
+from taichi_silo.averaging import Local
 from taichi_silo.faults import RunFailed
+from taichi_silo.geometry import Axisymmetric, PlaneStrain
 from taichi_silo.grid import Grid
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
 from taichi_silo.runtime import real
-from taichi_silo.tensors import trace
-from taichi_silo.transfer import gather, integrate_node, scatter
+from taichi_silo.tensors import norm, trace
+from taichi_silo.transfer import integrate_node, move, respond, scatter
 
 SPIN_LIMIT = 500_000_000  # turns of a waiting thread before it gives up (some seconds)
 LOST = 32  # slot of `arrivals` that says that one did
@@ -24,8 +27,25 @@ class Step:
 
     dt: real  # [s]
     gravity: real  # [m/s2]
-    frame_velocity: real  # of the grid and the bottom plate, upwards [m/s]
+    plate_velocity: real  # of the moving plates [m/s]
     filling_drag: real  # [1/s]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What surrounds the points.
+
+    Parameters
+    ----------
+    geometry : of `taichi_silo.geometry`.
+    ambient_pressure : of a fluid around the body [Pa]; it acts on every free surface, wherever that moves. Reactions
+        of walls are those beyond it. Only the stress in excess of it is put on the nodes: the divergence of a uniform
+        pressure is zero, so a free surface needs no search for its normal.
+
+    """
+
+    geometry: PlaneStrain | Axisymmetric = PlaneStrain()
+    ambient_pressure: float = 0.0
 
 
 @ti.data_oriented
@@ -60,6 +80,8 @@ class Solver:
     walls : tuple of walls of `taichi_silo.walls`, applied in this order.
     control : noise control.
     down : unit vector along which gravity acts.
+    averaging : `Local()`, or a `NonLocal` of the same particles.
+    setting : geometry and ambient pressure.
     shared : one launch a phase with atomic sums, as on a GPU; the default on the CPU gives every thread its own
         strip of points and copy of the sums, and many steps a launch.
 
@@ -67,10 +89,11 @@ class Solver:
 
     def __init__(
         self, particles: Particles, grid: Grid, shape, law, walls=(), control: NoiseControl | None = None,
-        down=(0.0, -1.0), shared: bool | None = None,
+        down=(0.0, -1.0), averaging=None, setting: Setting | None = None, shared: bool | None = None,
     ):  # fmt: skip
         self.particles, self.grid, self.shape, self.law = particles, grid, shape, law
         self.walls, self.control = tuple(walls), control or NoiseControl()
+        self.averaging, self.setting = averaging or Local(), setting or Setting()
         self.down = ti.Vector([float(down[0]), float(down[1])])
         self.shared = not runtime.is_cpu() if shared is None else shared
         self.threads = 1 if self.shared else runtime.threads()
@@ -83,79 +106,140 @@ class Solver:
 
     # --- the step -----------------------------------------------------------------------------------------------
 
-    def advance(self, steps: int, dt: float, gravity=(0.0, 0.0), frame_velocity=(0.0, 0.0), filling_drag=0.0) -> None:
+    def advance(self, steps: int, dt: float, gravity=(0.0, 0.0), plate_velocity=(0.0, 0.0), filling_drag=0.0) -> None:
         """Do `steps` steps of `dt` seconds.
 
-        `gravity` and `frame_velocity` are pairs, at the beginning and the end, and vary linearly between.
+        `gravity` and `plate_velocity` are pairs, at the beginning and the end, and vary linearly between.
         """
-        schedule = (gravity[0], gravity[1], frame_velocity[0], frame_velocity[1])
+        schedule = (*map(float, gravity), *map(float, plate_velocity), filling_drag)
+        if not self.averaging.ACTIVE:
+            self._advance(0, steps, steps, dt, *schedule)
+            return
+        done = 0
+        while done < steps:
+            self.averaging.refresh()
+            fastest = self.survey().speed + max(map(abs, plate_velocity))
+            chunk = min(steps - done, self.averaging.steps_within(fastest, dt))
+            self._advance(done, chunk, steps, dt, *schedule)
+            done += chunk
+
+    def _advance(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
         if self.shared:
-            for number in range(steps):
-                self._step_shared(steps, number, dt, *schedule, filling_drag)
+            for number in range(done, done + count):
+                self._step_shared(number, steps, dt, *schedule)
         elif self.threads == 1:
-            self._steps_alone(steps, dt, *schedule, filling_drag)
+            self._steps_alone(done, count, steps, dt, *schedule)
         else:
             if self.passed > 1_000_000_000:
                 self.arrivals.fill(0)
                 self.passed = 0
-            self._steps_together(steps, dt, *schedule, filling_drag, self.passed)
-            self.passed += 2 * self.threads * steps
+            self._steps_together(done, count, steps, dt, *schedule, self.passed)
+            self.passed += self.waits * self.threads * count
+
+    @property
+    def waits(self) -> int:
+        """How often the threads wait for each other in a step."""
+        return 3 if self.averaging.ACTIVE else 2
 
     @ti.func
-    def _at(self, number, steps, dt, g0, g1, f0, f1, filling_drag):
+    def _at(self, number, steps, dt, g0, g1, v0, v1, filling_drag):
         part = (number + 0.5) / steps
         return Step(
-            dt=dt, gravity=g0 + part * (g1 - g0), frame_velocity=f0 + part * (f1 - f0), filling_drag=filling_drag
+            dt=dt, gravity=g0 + part * (g1 - g0), plate_velocity=v0 + part * (v1 - v0), filling_drag=filling_drag
         )
+
+    @ti.func
+    def _scatter(self, p, t, shared: ti.template()):
+        scatter(self.particles, self.grid, self.shape, self.setting, p, t, shared)
+
+    @ti.func
+    def _integrate(self, i, j, step, shared: ti.template()):
+        integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step, shared)
+
+    @ti.func
+    def _gather(self, p, step, t):
+        """Motion of point p, and its stress unless that waits for the neighbours' strain rates."""
+        xx, yy, zz, xy, spin = move(
+            self.particles, self.grid, self.shape, self.control, self.setting, p, step, t
+        )  # fmt: skip
+        length = norm((xx, yy, zz, xy))
+        if ti.static(self.averaging.ACTIVE):
+            self.averaging.motion[p] = ti.Vector([xx, yy, zz, xy, spin])
+            self.averaging.norm[p] = length
+        else:
+            respond(self.particles, self.law, p, (xx, yy, zz, xy), spin, length, length, step.dt)
+
+    @ti.func
+    def _respond(self, p, step):
+        """Stress of point p under the non-local norm of the strain rate."""
+        L = self.averaging.motion[p]
+        length, mean = self.averaging.norm[p], self.averaging.mean(p)
+        respond(self.particles, self.law, p, (L[0], L[1], L[2], L[3]), L[4], length, mean, step.dt)
 
     @ti.kernel
     def _step_shared(
-        self, steps: ti.i32, number: ti.i32, dt: real, g0: real, g1: real, f0: real, f1: real, filling_drag: real
+        self, number: ti.i32, steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real, filling_drag: real
     ):
         for p in range(self.particles.count):
-            scatter(self.particles, self.grid, self.shape, p, 0, True)
+            self._scatter(p, 0, True)
         for k in range(self.grid.nodes):
-            step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
+            step = self._at(number, steps, dt, g0, g1, v0, v1, filling_drag)
             j = k // self.grid.columns
-            integrate_node(
-                self.grid, self.walls, self.control, self.books, self.down, k - j * self.grid.columns, j, step, True
-            )
+            self._integrate(k - j * self.grid.columns, j, step, True)
         for p in range(self.particles.count):
-            step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
-            gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
+            self._gather(p, self._at(number, steps, dt, g0, g1, v0, v1, filling_drag), 0)
+        if ti.static(self.averaging.ACTIVE):
+            for p in range(self.particles.count):
+                self._respond(p, self._at(number, steps, dt, g0, g1, v0, v1, filling_drag))
+        for t in range(1):
+            self.grid.follow(t, self._at(number, steps, dt, g0, g1, v0, v1, filling_drag))
 
     @ti.kernel
-    def _steps_alone(self, steps: ti.i32, dt: real, g0: real, g1: real, f0: real, f1: real, filling_drag: real):
+    def _steps_alone(
+        self, done: ti.i32, count: ti.i32, steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real,
+        filling_drag: real,
+    ):  # fmt: skip
         ti.loop_config(serialize=True)
-        for number in range(steps):
-            step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
+        for number in range(done, done + count):
+            step = self._at(number, steps, dt, g0, g1, v0, v1, filling_drag)
             for p in range(self.particles.count):
-                scatter(self.particles, self.grid, self.shape, p, 0, False)
+                self._scatter(p, 0, False)
             for j in range(self.grid.rows):
                 for i in range(self.grid.columns):
-                    integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step, False)
+                    self._integrate(i, j, step, False)
             for p in range(self.particles.count):
-                gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
+                self._gather(p, step, 0)
+            if ti.static(self.averaging.ACTIVE):
+                for p in range(self.particles.count):
+                    self._respond(p, step)
+            self.grid.follow(0, step)
 
     @ti.kernel
     def _steps_together(
-        self, steps: ti.i32, dt: real, g0: real, g1: real, f0: real, f1: real, filling_drag: real, passed: ti.i32
-    ):
+        self, done: ti.i32, count: ti.i32, steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real,
+        filling_drag: real, passed: ti.i32,
+    ):  # fmt: skip
         ti.loop_config(block_dim=1)
         for t in range(self.threads):
             first, last = t * self.particles.count // self.threads, (t + 1) * self.particles.count // self.threads
             low, high = t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads
-            for number in range(steps):
-                step = self._at(number, steps, dt, g0, g1, f0, f1, filling_drag)
+            for number in range(count):
+                step = self._at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
+                arrivals = passed + self.threads * self.waits * number
                 for p in range(first, last):
-                    scatter(self.particles, self.grid, self.shape, p, t * self.grid.nodes, False)
-                self._wait(passed + self.threads * (2 * number + 1))
+                    self._scatter(p, t, False)
+                self._wait(arrivals + self.threads)
                 for j in range(low, high):
                     for i in range(self.grid.columns):
-                        integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step, False)
-                self._wait(passed + self.threads * (2 * number + 2))
+                        self._integrate(i, j, step, False)
+                self._wait(arrivals + 2 * self.threads)
                 for p in range(first, last):
-                    gather(self.particles, self.grid, self.shape, self.law, self.control, p, step)
+                    self._gather(p, step, t)
+                if ti.static(self.averaging.ACTIVE):
+                    self._wait(arrivals + 3 * self.threads)
+                    for p in range(first, last):
+                        self._respond(p, step)
+                self.grid.follow(t, step)
 
     @ti.func
     def _wait(self, arrivals):
@@ -205,16 +289,17 @@ class Solver:
             m, volume = self.particles.mass[p], self.particles.volume[p]
             e = volume * self.law.grain_density / m - 1.0
             speed = v.norm()
-            c = ti.sqrt(self.law.stiffness((s[0], s[1], s[2], s[3]), e) * volume / m)
+            c = ti.sqrt(self.law.stiffness((s[0], s[1], s[2], s[3]), e) * (1.0 + e) / self.law.grain_density)
             self.found[0] += 0.5 * m * speed * speed
             self.found[1] += m * v[1]
-            ti.atomic_min(self.found[2], self.grid.cell_size / (c + speed))
+            ti.atomic_min(self.found[2], ti.min(self.grid.cell_size, self.grid.cell_height(0)) / (c + speed))
             ti.atomic_min(self.found[3], e)
             if -trace((s[0], s[1], s[2], s[3])) <= 3.0 * self.law.rest_stress * (1.0 + 1e-9):
                 self.found[4] += 1.0
             ti.atomic_max(self.found[6], speed)
-            h = self.grid.cell_size
-            inside = x[0] > -h and x[0] < (self.grid.columns - 4) * h and x[1] > -h and x[1] < (self.grid.rows - 4) * h
+            h, up = self.grid.cell_size, self.grid.cell_height(0)
+            across = self.grid.periodic or (x[0] > -h and x[0] < (self.grid.columns - 4) * h)
+            inside = across and x[1] > -up and x[1] < (self.grid.rows - 4) * up
             finite = trace((s[0], s[1], s[2], s[3])) + speed < 1e300
             if not (inside and finite):
                 self.found[5] += 1.0

@@ -16,6 +16,9 @@ class Elastic:
     grain_density: float = 2650.0
     rest_stress: float = 0.0
 
+    REMEMBERS = False
+    degree = 0.0
+
     @property
     def lame(self) -> float:
         """Lame's first constant [Pa]."""
@@ -28,7 +31,7 @@ class Elastic:
         return 0.5 * self.young_modulus_Pa / (1.0 + self.poisson_ratio)
 
     @ti.func
-    def rate(self, stress, void_ratio, D, d_bar):
+    def rate(self, stress, h, void_ratio, D, d_bar):
         """Jaumann stress rate [Pa/s]."""
         zero = 0.0 * d_bar
         spherical = shifted((zero, zero, zero, zero), self.lame * trace(D))

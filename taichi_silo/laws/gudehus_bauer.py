@@ -46,6 +46,13 @@ class GudehusBauer:
     grain_density: float = 2650.0
     rest_stress: float = 1.0
 
+    REMEMBERS = False
+
+    @property
+    def degree(self) -> float:
+        """Of the rate as a homogeneous function of the stress, in the limit of small stress."""
+        return 1.0 - self.n
+
     @property
     def c1(self) -> float:
         """Shape of the critical surface in triaxial compression."""
@@ -91,16 +98,23 @@ class GudehusBauer:
         return 1.0 / (self.c1 + self.c2 * size * (1.0 + cos_3theta))
 
     @ti.func
-    def rate(self, stress, void_ratio, D, d_bar):
-        """Jaumann stress rate [Pa/s]."""
+    def operators(self, stress, void_ratio):
+        """What the rate is made of: f_s a1^2, f_s [Pa], T^ and N = f_s f_d a1 (T^ + T^*) [Pa].
+
+        The linear operator is L : X = f_s (a1^2 X + T^ (T^ : X)).
+        """
         tr = ti.min(trace(stress), -3.0 * self.rest_stress)
         relative = scaled(stress, 1.0 / tr)
         deviator = shifted(relative, pressure_of(relative))
         f_s, f_d = self.factors(tr * (-1.0 / 3.0), void_ratio)
         a1 = self.a1(deviator)
-        linear = added(scaled(D, a1 * a1), relative, inner(relative, D))
-        both = added(relative, deviator, 1.0)
-        return scaled(added(linear, both, f_d * a1 * d_bar), f_s)
+        return f_s * a1 * a1, f_s, relative, scaled(added(relative, deviator, 1.0), f_s * f_d * a1)
+
+    @ti.func
+    def rate(self, stress, h, void_ratio, D, d_bar):
+        """Jaumann stress rate [Pa/s]: L : D + N d_bar."""
+        isotropic, f_s, relative, N = self.operators(stress, void_ratio)
+        return added(added(scaled(D, isotropic), relative, f_s * inner(relative, D)), N, d_bar)
 
     @ti.func
     def admissible(self, stress, void_ratio):
@@ -122,12 +136,18 @@ class GudehusBauer:
         For D = sym(n m) the traction rate is at most f_s (a1^2 + t^2 + f_d a1 (2 t - 1/3)), t the largest
         principal value of T^; in an isotropic state this is the unloading modulus exactly.
         """
+        linear, nonlinear = self.moduli(stress, void_ratio)
+        return linear + nonlinear
+
+    @ti.func
+    def moduli(self, stress, void_ratio):
+        """The two parts of `stiffness` [Pa]: of L and of N."""
         tr = ti.min(trace(stress), -3.0 * self.rest_stress)
         relative = scaled(stress, 1.0 / tr)
         f_s, f_d = self.factors(tr * (-1.0 / 3.0), void_ratio)
         a1 = self.a1(shifted(relative, pressure_of(relative)))
         largest = ti.min(largest_principal(relative), 1.0)
-        return f_s * (a1 * a1 + largest * largest + f_d * a1 * (2.0 * largest - 1.0 / 3.0))
+        return f_s * (a1 * a1 + largest * largest), f_s * f_d * a1 * (2.0 * largest - 1.0 / 3.0)
 
 
 def rest_pressure_ratio(law: GudehusBauer, void_ratio: float, stress_Pa: float = 3e3) -> float:

@@ -42,3 +42,23 @@ class NoSlip:
     def touch(self, relative, normal):
         """Admissible relative velocity: none."""
         return 0.0 * relative
+
+
+@dataclass(frozen=True)
+class Glide:
+    """A smooth plate from which the sand does not part: the axis of symmetry, the plates of a specimen."""
+
+    @ti.func
+    def touch(self, relative, normal):
+        """Admissible relative velocity: along the plate."""
+        return relative - relative.dot(normal) * normal
+
+
+@dataclass(frozen=True)
+class Grip:
+    """A rough plate that floats on the sand: no sliding, free along its normal (the top of a shear box)."""
+
+    @ti.func
+    def touch(self, relative, normal):
+        """Admissible relative velocity: along the normal."""
+        return relative.dot(normal) * normal

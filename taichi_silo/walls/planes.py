@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from taichi_silo.walls.coulomb import Coulomb, NoSlip
+from taichi_silo.walls.coulomb import Coulomb, Glide, Grip, NoSlip
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class PlaneWall:
     side : -1 if the sand lies at greater coordinates, +1 if at smaller ones (the sign of the outward normal).
     node : index of the grid line along `axis`.
     contact : how it acts.
-    moves : whether it moves with the grid (the bottom plate) or stands still in the laboratory.
+    motion : its velocity as a multiple, along x and y, of the plate velocity of the step; (0, 0) stands still.
 
     """
 
@@ -26,8 +26,8 @@ class PlaneWall:
     axis: int
     side: int
     node: int
-    contact: Coulomb | NoSlip
-    moves: bool = False
+    contact: Coulomb | NoSlip | Glide | Grip
+    motion: tuple[float, float] = (0.0, 0.0)
 
     @ti.func
     def holds(self, i, j):
@@ -45,3 +45,35 @@ class PlaneWall:
         """Unit normal out of the sand."""
         across = 1.0 if self.axis == 0 else 0.0
         return ti.Vector([across * self.side, (1.0 - across) * self.side])
+
+
+@dataclass(frozen=True)
+class Pin:
+    """One node that does not move along x.
+
+    Parameters
+    ----------
+    column, row : of the node.
+
+    """
+
+    column: int
+    row: int
+    name: str = "pin"
+    contact: Glide = Glide()
+    motion: tuple[float, float] = (0.0, 0.0)
+
+    @ti.func
+    def holds(self, i, j):
+        """Whether node (i, j) is the one, or below it."""
+        return i == self.column and j <= self.row
+
+    @ti.func
+    def slot(self, i, j):
+        """Where the reaction is booked."""
+        return 0 * i
+
+    @ti.func
+    def normal(self):
+        """Along x."""
+        return ti.Vector([1.0, 0.0])

@@ -38,7 +38,7 @@ def test_a_frame_that_moves_changes_nothing_but_the_coordinates():
     for frame in (0.0, -0.3):
         particles, grid = block(width=0.1, height=0.1, cell=0.02, origin=(0.1, 0.3), box=(0.3, 0.5))
         change(particles, velocity=np.random.default_rng(3).normal(0.0, 0.05, (25, 2)))
-        solver(particles, grid, shape, law).advance(200, 1e-4, gravity=(G, G), frame_velocity=(frame, frame))
+        solver(particles, grid, shape, law).advance(200, 1e-4, gravity=(G, G), plate_velocity=(frame, frame))
         ends.append(particles.arrays()["position"] + [0.0, frame * 200 * 1e-4])
     assert np.abs(ends[0] - ends[1]).max() < 2e-4  # interpolation differs by where the nodes are
     assert np.abs(ends[0].mean(axis=0) - ends[1].mean(axis=0)).max() < 1e-12

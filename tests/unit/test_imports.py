@@ -7,8 +7,8 @@ PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
     ["runtime", "maths", "tensors", "faults"],
-    ["grid", "particles", "noise"],
-    ["shapes", "laws", "walls"],
+    ["grid", "particles", "noise", "geometry"],
+    ["shapes", "laws", "walls", "averaging"],
     ["theory", "measure"],
     ["transfer"],
     ["solver"],

@@ -28,7 +28,7 @@ law, shape = sand.GudehusBauer(alpha=0.5), UniformGimp(0.5)
 @ti.func
 def formulas(a, b, c, d, e, f, g, h):
     stress, D = (a, b, c, d), (f, g, 0.0 * f, h)
-    rate = law.rate(stress, e, D, norm(D))
+    rate = law.rate(stress, stress, e, D, norm(D))
     held = law.admissible(stress, e)
     turned = spun(held, h)
     base, s, slope = shape.axis(7.0 * e)

@@ -23,7 +23,7 @@ def state_after(steps, threads=1, shared=None, walls="very-rough"):
             whole.particles, type(whole.grid)(0.1, 0.22, 0.01), whole.shape, whole.law, whole.walls, whole.control,
             shared=True,
         )  # fmt: skip
-    simulation.solver.advance(steps, 2e-5, gravity=(0.0, 9.81), frame_velocity=(0.0, -0.02))
+    simulation.solver.advance(steps, 2e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
     return simulation.particles.arrays(), simulation.solver.books.take()
 
 

@@ -1,0 +1,216 @@
+"""The non-local norm of the strain rate: a weighted mean of ||D|| over the neighbours of a point.
+
+    d_bar(x) = sum_q w(|x - x_q|) V_q ||D_q|| / sum_q w(|x - x_q|) V_q
+
+The sum runs over the points that exist, so that a homogeneous field stays as it is next to a wall or a free surface.
+The contract of a weight, a frozen dataclass: `length_m` (l_c), `CUT` (radius of influence over l_c) and
+`weight(distance)`.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import taichi as ti
+
+from taichi_silo.faults import RunFailed
+from taichi_silo.particles import Particles
+from taichi_silo.runtime import real
+
+TOLERANCE = 0.02  # of l_c: once a point has moved so far, all rows are built anew
+INACTIVE_FROM = 0.99  # share of a point's own weight from which averaging changes nothing
+MOST_BINS = 4_000_000
+ROOM = 1.6  # of the pairs that a regular lattice would have
+
+
+@dataclass(frozen=True)
+class Gaussian:
+    """exp(-(r / l_c)^2), cut off at 3 l_c (there 1e-4): what the authors computed with."""
+
+    length_m: float
+
+    CUT = 3.0
+
+    @ti.func
+    def weight(self, distance):
+        """Of a neighbour, before normalisation."""
+        return ti.exp(-((distance / self.length_m) ** 2))
+
+
+@dataclass(frozen=True)
+class Exponential:
+    """exp(-r / l_c), as printed in the paper's equation 2, cut off at 9 l_c (there 1e-4, as the Gaussian)."""
+
+    length_m: float
+
+    CUT = 9.0
+
+    @ti.func
+    def weight(self, distance):
+        """Of a neighbour, before normalisation."""
+        return ti.exp(-distance / self.length_m)
+
+
+WEIGHTS = {"gaussian": Gaussian, "exponential": Exponential}
+
+
+class Local:
+    """No averaging: d_bar = ||D||."""
+
+    ACTIVE = False
+
+
+def self_weight(kernel: Gaussian | Exponential, spacing_m: float) -> float:
+    """Share of a point's own weight on a square lattice; near 1 the average is local (Python scope)."""
+    reach = math.floor(kernel.CUT * kernel.length_m / spacing_m)
+    along = np.arange(-reach, reach + 1) * spacing_m
+    distance = np.hypot(*np.meshgrid(along, along))
+    distance = distance[distance <= kernel.CUT * kernel.length_m]
+    ratio = distance / kernel.length_m
+    return float(1.0 / np.exp(-(ratio**2 if isinstance(kernel, Gaussian) else ratio)).sum())
+
+
+@ti.data_oriented
+class NonLocal:
+    """Rows of weights over the neighbours of each point, kept until a point has moved 0.02 l_c.
+
+    Points are sorted into square bins as wide as the radius of influence, so a row is looked for in nine bins: cost
+    and memory grow with the number of pairs, 12 bytes each.
+
+    ==============  ==========  ========================================================================
+    field           shape       meaning
+    ==============  ==========  ========================================================================
+    start           point + 1   where the row of a point begins in the next two
+    neighbour       pair        index of a neighbour (the point itself is one)
+    share           pair        its normalised weight, w V / sum
+    norm            point       ||D|| of the present step [1/s]
+    motion          point, 5    strain rate (4) and spin of the present step [1/s]
+    place           point, 2    position when the rows were built [m]
+    ==============  ==========  ========================================================================
+
+    Parameters
+    ----------
+    kernel : Gaussian or Exponential.
+    particles : the points.
+    spacing_m : of the points at the start.
+    tolerance : displacement of a point, over l_c, after which the rows are built anew.
+
+    """
+
+    ACTIVE = True
+
+    def __init__(self, kernel, particles: Particles, spacing_m: float, tolerance: float = TOLERANCE):
+        if not kernel.length_m > 0.0:
+            raise ValueError(f"characteristic length is {kernel.length_m} m; it must be above 0")
+        self.kernel, self.particles = kernel, particles
+        self.radius = kernel.CUT * kernel.length_m
+        self.allowed = tolerance * kernel.length_m
+        self.builds = 0
+        count = particles.count
+        self.pairs_most = int(count * (ROOM * math.pi * (self.radius / spacing_m) ** 2 + 12))
+        self.start = ti.field(ti.i32, shape=count + 1)
+        self.neighbour = ti.field(ti.i32, shape=self.pairs_most)
+        self.share = ti.field(real, shape=self.pairs_most)
+        self.norm = ti.field(real, shape=count)
+        self.motion = ti.Vector.field(5, real, shape=count)
+        self.place = ti.Vector.field(2, real, shape=count)
+
+    @property
+    def pairs(self) -> int:
+        """Number of weights in use."""
+        return int(self.start[self.particles.count])
+
+    @ti.func
+    def mean(self, p):
+        """The non-local norm of the strain rate of point p [1/s]."""
+        total = 0.0
+        for k in range(self.start[p], self.start[p + 1]):
+            total += self.share[k] * self.norm[self.neighbour[k]]
+        return total
+
+    def steps_within(self, speed_m_per_s: float, dt: float) -> int:
+        """How many steps no point can have used up half of the allowed displacement in."""
+        return max(1, int(0.5 * self.allowed / (speed_m_per_s * dt + 1e-300))) if speed_m_per_s > 0.0 else 1_000_000
+
+    def refresh(self) -> None:
+        """Build the rows anew if there are none, or a point has used up half of the allowed displacement."""
+        if self.builds == 0 or self._moved() > 0.5 * self.allowed:
+            self.build()
+
+    def build(self) -> None:
+        """Build all rows.
+
+        Raises
+        ------
+        RunFailed
+            if points have come so close that the pairs exceed their room.
+
+        """
+        place = self.particles.position.to_numpy()
+        if not np.isfinite(place).all():
+            return  # the guard will stop the run
+        low = place.min(axis=0)
+        extent = np.ptp(place, axis=0) + self.radius
+        width = max(self.radius, math.sqrt(float(extent.prod()) / MOST_BINS))
+        bins = np.floor((place - low) / width).astype(np.int64)
+        across = int(bins[:, 0].max()) + 1
+        number = bins[:, 1] * across + bins[:, 0]
+        order = np.argsort(number, kind="stable").astype(np.int32)
+        # a bin's points stand together in `order`; three neighbouring bins of a row as well
+        rows = int(bins[:, 1].max()) + 1
+        first = np.searchsorted(number[order], np.arange(across * rows + 1)).astype(np.int32)
+        length = np.zeros(self.particles.count, dtype=np.int32)
+        self._count(order, first, bins.astype(np.int32), across, rows, length)
+        start = np.concatenate([[0], np.cumsum(length, dtype=np.int64)])
+        if start[-1] > self.pairs_most:
+            raise RunFailed(
+                f"because {start[-1]} pairs of neighbours exceed the room for {self.pairs_most}: points have clumped"
+            )
+        self.start.from_numpy(start.astype(np.int32))
+        self._fill(order, first, bins.astype(np.int32), across, rows)
+        self.builds += 1
+
+    @ti.kernel
+    def _moved(self) -> real:
+        most = 0.0
+        for p in range(self.particles.count):
+            ti.atomic_max(most, (self.particles.position[p] - self.place[p]).norm())
+        return most
+
+    @ti.kernel
+    def _count(
+        self, order: ti.types.ndarray(), first: ti.types.ndarray(), bins: ti.types.ndarray(), across: ti.i32,
+        rows: ti.i32, length: ti.types.ndarray(),
+    ):  # fmt: skip
+        for p in range(self.particles.count):
+            here = self.particles.position[p]
+            found = 0
+            for row in range(ti.max(bins[p, 1] - 1, 0), ti.min(bins[p, 1] + 2, rows)):
+                left = row * across + ti.max(bins[p, 0] - 1, 0)
+                right = row * across + ti.min(bins[p, 0] + 2, across)
+                for k in range(first[left], first[right]):
+                    if (self.particles.position[order[k]] - here).norm() <= self.radius:
+                        found += 1
+            length[p] = found
+
+    @ti.kernel
+    def _fill(
+        self, order: ti.types.ndarray(), first: ti.types.ndarray(), bins: ti.types.ndarray(), across: ti.i32,
+        rows: ti.i32,
+    ):  # fmt: skip
+        for p in range(self.particles.count):
+            here = self.particles.position[p]
+            self.place[p] = here
+            at, total = self.start[p], 0.0
+            for row in range(ti.max(bins[p, 1] - 1, 0), ti.min(bins[p, 1] + 2, rows)):
+                left = row * across + ti.max(bins[p, 0] - 1, 0)
+                right = row * across + ti.min(bins[p, 0] + 2, across)
+                for k in range(first[left], first[right]):
+                    q = order[k]
+                    distance = (self.particles.position[q] - here).norm()
+                    if distance <= self.radius:
+                        share = self.kernel.weight(distance) * self.particles.volume[q]
+                        self.neighbour[at], self.share[at] = q, share
+                        at, total = at + 1, total + share
+            for k in range(self.start[p], at):
+                self.share[k] = self.share[k] / total

@@ -1,0 +1,38 @@
+"""What the plane of the grid means: a slice of a long body, or the half-section of a round one.
+
+The contract, a frozen dataclass:
+
+`HOOP`
+    whether points also strain around an axis at x = 0; masses, volumes and forces are then per radian.
+`depth(x)`
+    size of the body across the plane [m]: 1 (per metre run) or the radius x.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class PlaneStrain:
+    """A slice of one metre; zz is the direction across it, in which nothing strains."""
+
+    HOOP = False
+
+    def depth(self, x):
+        """1 m."""
+        return 0.0 * x + 1.0
+
+
+@dataclass(frozen=True)
+class Axisymmetric:
+    """One radian of a body of revolution: x is the radius, y the axis, zz the hoop direction.
+
+    The hoop strain rate is v_r / r at the point, and the hoop stress acts on the nodes with the same weights, so that
+    the power of stress is that of the nodal forces. Source: J. Nairn, J. Guilkey, Int. J. Numer. Meth. Eng. 101
+    (2015) 127-147, with weights at the point's radius.
+    """
+
+    HOOP = True
+
+    def depth(self, x):
+        """Radius [m]."""
+        return x
