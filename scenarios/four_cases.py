@@ -16,20 +16,23 @@ from typing import Annotated
 
 from typer import Option
 
-from taichi_silo import cli
+from taichi_silo import cli, sands
 from taichi_silo.faults import BadInput, RunFailed
 from taichi_silo.folder import read_scene
 from taichi_silo.plots import plot_cases
 
 CASES = {
-    "dense, smooth": (0.60, "smooth"),
-    "dense, very rough": (0.60, "very-rough"),
-    "loose, smooth": (0.90, "smooth"),
-    "loose, very rough": (0.90, "very-rough"),
+    "dense, smooth": ("dense", "smooth"),
+    "dense, very rough": ("dense", "very-rough"),
+    "loose, smooth": ("loose", "smooth"),
+    "loose, very rough": ("loose", "very-rough"),
 }
 
 
 def four_cases(
+    sand: cli.SandFlag = "karlsruhe",
+    dense: Annotated[float, Option(help="void ratio of the dense fill [-]")] = 0.60,
+    loose: Annotated[float, Option(help="void ratio of the loose fill [-]")] = 0.90,
     cell_size: Annotated[float, Option(help="of the grid [m]")] = 0.005,
     speed: Annotated[float, Option(help="of the bottom [m/s]")] = 0.002,
     displacement: Annotated[float, Option(help="of the bottom at the end [m]")] = 0.02,
@@ -37,14 +40,16 @@ def four_cases(
     film: Annotated[bool, Option(help="draw the films")] = True,
 ):
     """Run the paper's four cases and draw them side by side."""
-    flags = {"--cell-size": cell_size, "--speed": speed, "--displacement": displacement, "--threads": 1}
+    constants = sands.sand(sand, dense).model_dump(exclude={"void_ratio"})
+    flags = {"--sand": sand, "--cell-size": cell_size, "--speed": speed, "--displacement": displacement, "--threads": 1}
     folders = {name: output / name.replace(", ", "_").replace(" ", "-") for name in CASES}
 
     def simulate(name: str) -> tuple[str, int, str]:
-        void_ratio, walls = CASES[name]
+        packing, walls = CASES[name]
+        void_ratio = {"dense": dense, "loose": loose}[packing]
         folder = folders[name]
         wanted = {"void_ratio": void_ratio, "kind": walls, "cell_size_m": cell_size}
-        wanted |= {"speed_m_per_s": speed, "displacement_m": displacement}
+        wanted |= constants | {"speed_m_per_s": speed, "displacement_m": displacement}
         if is_there(folder, wanted) and (not film or (folder / "void_ratio.mp4").exists()):
             return name, 0, "kept"
         case = flags | {"--void-ratio": void_ratio, "--walls": walls, "--output": folder}

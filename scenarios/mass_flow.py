@@ -15,15 +15,17 @@ from typing import Annotated
 
 from typer import Option
 
-from taichi_silo import cli
+from taichi_silo import cli, sands
 from taichi_silo.folder import free_name
 from taichi_silo.observers.progress import ProgressLine
 from taichi_silo.run import run
-from taichi_silo.scene import Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
+from taichi_silo.scene import Averaging, Flow, Machine, Mesh, Method, Scene, Silo, Walls
 
 
 def mass_flow(
     void_ratio: Annotated[float, Option(help="initial void ratio of the sand [-], between e_d0 and e_i0")] = 0.60,
+    sand: cli.SandFlag = "karlsruhe",
+    law: cli.LawFlag = "gudehus-bauer",
     walls: Annotated[str, Option(help="smooth | very-rough")] = "very-rough",
     wall_friction_angle: Annotated[
         float | None,
@@ -35,6 +37,8 @@ def mass_flow(
     cell_size: Annotated[float, Option(help="of the grid [m]; divides width and height")] = 0.005,
     points_per_cell: Annotated[int, Option(help="1, 4, 9, ...")] = 1,
     shape: Annotated[str, Option(help="ugimp | linear")] = "ugimp",
+    characteristic_length: cli.LengthFlag = None,
+    weight: cli.WeightFlag = "gaussian",
     speed: Annotated[float, Option(help="of the bottom [m/s]")] = 0.002,
     displacement: Annotated[float, Option(help="of the bottom at the end [m]")] = 0.02,
     noise_control: Annotated[str, Option(help="column | none; none is the paper's 'no damping'")] = "column",
@@ -49,11 +53,12 @@ def mass_flow(
     machine = {"arch": arch} if threads is None else {"arch": arch, "threads": threads}
     scene = Scene(
         silo=Silo(width_m=width, height_m=height),
-        sand=Sand(void_ratio=void_ratio),
+        sand=sands.sand(sand, void_ratio, law=law),
         walls=Walls(
             kind=walls, friction_angle_deg=wall_friction_angle, bottom_friction_angle_deg=bottom_friction_angle
         ),
         grid=Mesh(cell_size_m=cell_size, points_per_cell=points_per_cell, shape=shape),
+        averaging=Averaging(characteristic_length_m=characteristic_length, weight=weight),
         flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
         method=Method(noise_control=noise_control, time_step_s=time_step),
         machine=Machine(**machine),

@@ -16,7 +16,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from typer import Option
 
-from taichi_silo import Flow, Machine, Mesh, Method, Sand, Scene, Walls, cli, run
+from taichi_silo import Flow, Machine, Mesh, Method, Scene, Walls, cli, run, sands
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.plots.style import new_figure
 from taichi_silo.theory.janssen import Janssen
@@ -27,6 +27,7 @@ LABELS = {"none": "no control, as in the paper", "column": "drag towards the mea
 
 def noise_control(
     void_ratio: Annotated[float, Option(help="initial void ratio [-]")] = 0.60,
+    sand: cli.SandFlag = "karlsruhe",
     cell_size: Annotated[float, Option(help="of the grid [m]")] = 0.005,
     speed: Annotated[float, Option(help="of the bottom [m/s]")] = 0.005,
     displacement: Annotated[float, Option(help="of the bottom at the end [m]")] = 0.005,
@@ -35,7 +36,7 @@ def noise_control(
     """Compare the wall force with and without noise control."""
     scenes = {
         name: Scene(
-            sand=Sand(void_ratio=void_ratio),
+            sand=sands.sand(sand, void_ratio),
             walls=Walls(kind="smooth"),
             grid=Mesh(cell_size_m=cell_size),
             flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
@@ -57,7 +58,7 @@ def _run(scene: Scene, folder: Path) -> Path:
 
 def draw(histories: dict[str, pd.DataFrame], scene: Scene) -> Figure:
     """N against time, filling and flow, with Janssen's value."""
-    ratio = rest_pressure_ratio(scene.sand.law(), scene.sand.void_ratio)
+    ratio = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio)
     density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
     theory = Janssen(scene.silo.width_m, scene.silo.height_m, density, scene.wall_friction_angle_deg, ratio)
     figure = new_figure(9.0, 4.6)

@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Annotated
 
 import typer
 from pydantic import ValidationError
@@ -12,6 +13,23 @@ from taichi_silo.faults import BadInput, RunFailed
 from taichi_silo.scene import one_sentence
 
 BAD_INPUT, FAILED, STOPPED = 2, 1, 130
+
+# flags that several scenarios share
+SandFlag = Annotated[
+    str,
+    typer.Option(
+        help="name of a published sand (karlsruhe, karlsruhe-herle, karlsruhe-fine, hochstetten, hostun, hamburg, "
+        "toyoura), or a TOML file with one's own"
+    ),
+]
+LawFlag = Annotated[str, typer.Option(help="gudehus-bauer | intergranular (with memory of the last strain)")]
+LengthFlag = Annotated[
+    float | None,
+    typer.Option(help="characteristic length l_c of the non-local law [m]; 3 d50 if not given, 0 for a local law"),
+]
+WeightFlag = Annotated[
+    str, typer.Option(help="of the non-local average: gaussian | exponential (as printed in the paper)")
+]
 
 
 def command(function: Callable) -> None:
@@ -41,6 +59,8 @@ def command(function: Callable) -> None:
 
 def _bad_flag(error: typer.BadParameter) -> str:
     flag = error.param.opts[0] if error.param is not None else "a flag"
+    if not flag.startswith("-"):  # an argument: the message names its value
+        return f"{flag}: {error.message.removeprefix('Value error, ').rstrip('.')}"
     words = " ".join(sys.argv).replace(f"{flag}=", f"{flag} ").split()
     given = words[words.index(flag) + 1] if flag in words[:-1] else "not given"
     return f"{flag} is {given}; {error.message[:1].lower()}{error.message[1:].rstrip('.')}"

@@ -15,7 +15,8 @@ from taichi_silo.scene import Scene, one_sentence
 MADE = "run.toml"  # its presence says that the folder holds a run
 PRODUCTS = (
     MADE, "summary.json", "forces.csv", "balance.csv", "walls.csv", "void_ratio.mp4", "void_ratio.partial.mp4",
-    "checkpoint.npz", "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv", "snapshots/silo.pvd",
+    "checkpoint.npz", "curve.csv", "points.npz",
+    "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv", "snapshots/silo.pvd",
 )  # fmt: skip
 
 
@@ -69,10 +70,16 @@ def _revision() -> str:
 
 
 def write_parameters(folder: Path, scene: Scene, program: dict) -> None:
-    """Write run.toml: every parameter as used, and what computed it; in one piece or not at all."""
+    """Write run.toml of a silo: every parameter as used, and what computed it."""
     tables = scene.model_dump(exclude_none=True)
     if scene.walls.kind == "smooth":
         tables["walls"]["friction_angle_deg"] = scene.wall_friction_angle_deg
+    tables["averaging"]["characteristic_length_m"] = scene.characteristic_length_m
+    write_tables(folder, tables, program)
+
+
+def write_tables(folder: Path, tables: dict, program: dict) -> None:
+    """Write run.toml, with what computed it; in one piece or not at all."""
     tables["program"] = {
         "taichi_silo": version("taichi-silo"),
         "revision": _revision(),

@@ -10,7 +10,8 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from taichi_silo.laws import GudehusBauer
+from taichi_silo.averaging import INACTIVE_FROM, WEIGHTS, self_weight
+from taichi_silo.laws import GudehusBauer, Intergranular
 
 LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of loose sand applies
 MOST_POINTS = 20_000_000
@@ -21,21 +22,40 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-class _Table(BaseModel):
+class Table(BaseModel):
+    """A group of parameters: frozen, finite, and no unknown names."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-class Silo(_Table):
+class Silo(Table):
     """The box between two parallel walls; all forces are per metre run."""
 
     width_m: float = Field(0.2, gt=0)
     height_m: float = Field(0.5, gt=0, description="height of the fill")
 
 
-class Sand(_Table):
+class IntergranularStrain(Table):
+    """Constants of Niemunis and Herle (1997); the defaults are theirs for Hochstetten sand."""
+
+    radius: float = Field(1e-4, gt=0, le=0.01, description="R")
+    m_R: float = Field(5.0, ge=1)
+    m_T: float = Field(2.0, ge=1)
+    beta_r: float = Field(0.5, gt=0)
+    chi: float = Field(6.0, gt=0)
+
+    @model_validator(mode="after")
+    def _ordered(self):
+        if self.m_T > self.m_R:
+            raise ValueError(f"m_T is {self.m_T}; it must be at most m_R = {self.m_R}")
+        return self
+
+
+class Sand(Table):
     """Gudehus-Bauer constants; the defaults are the paper's Karlsruhe sand."""
 
-    name: str = "Karlsruhe"
+    name: str = "karlsruhe"
+    law: Literal["gudehus-bauer", "intergranular"] = "gudehus-bauer"
     void_ratio: float = 0.60
     critical_friction_angle_deg: float = Field(30.0, gt=0, lt=90)
     granular_hardness_Pa: float = Field(190e6, gt=0)
@@ -47,6 +67,7 @@ class Sand(_Table):
     e_d0: float = Field(0.51, gt=0)
     grain_density_kg_per_m3: float = Field(2650.0, gt=0)
     d50_m: float = Field(0.5e-3, gt=0)
+    intergranular: IntergranularStrain = IntergranularStrain()
 
     @model_validator(mode="after")
     def _ordered(self):
@@ -54,7 +75,7 @@ class Sand(_Table):
             raise ValueError(
                 f"limits of the void ratio are {self.e_d0}, {self.e_c0}, {self.e_i0}; e_d0 < e_c0 < e_i0 must hold"
             )
-        if self.law().h_i <= 0:
+        if self.skeleton().h_i <= 0:
             raise ValueError(
                 f"alpha is {self.alpha}; with these void ratios it gives h_i <= 0, a smaller one is needed"
             )
@@ -64,8 +85,23 @@ class Sand(_Table):
             )
         return self
 
-    def law(self) -> GudehusBauer:
+    def constitutive_law(self) -> GudehusBauer | Intergranular:
         """The constitutive law with these constants."""
+        if self.law == "gudehus-bauer":
+            return self.skeleton()
+        return Intergranular(skeleton=self.skeleton(), **self.intergranular.model_dump())
+
+    def check_at(self, pressure_Pa: float) -> None:
+        """Refuse a void ratio that this sand cannot have at an isotropic pressure."""
+        e_d, _, e_i = self.skeleton().void_ratio_limits(pressure_Pa)
+        if not e_d < self.void_ratio < e_i:
+            raise ValueError(
+                f"void ratio is {self.void_ratio}; at {pressure_Pa:g} Pa it must lie between "
+                f"e_d = {e_d:.4f} and e_i = {e_i:.4f}"
+            )
+
+    def skeleton(self) -> GudehusBauer:
+        """The law without memory."""
         return GudehusBauer(
             critical_friction_angle_deg=self.critical_friction_angle_deg,
             granular_hardness_Pa=self.granular_hardness_Pa,
@@ -75,7 +111,7 @@ class Sand(_Table):
         )  # fmt: skip
 
 
-class Walls(_Table):
+class Walls(Table):
     """Side walls; the bottom plate is smooth unless told otherwise."""
 
     kind: Literal["smooth", "very-rough"] = "very-rough"
@@ -92,7 +128,7 @@ class Walls(_Table):
         return self
 
 
-class Mesh(_Table):
+class Mesh(Table):
     """Background grid and points."""
 
     cell_size_m: float = Field(0.005, gt=0)
@@ -107,14 +143,21 @@ class Mesh(_Table):
         return value
 
 
-class Flow(_Table):
+class Flow(Table):
     """Lowering of the bottom plate."""
 
     speed_m_per_s: float = Field(0.002, gt=0)
     displacement_m: float = Field(0.02, gt=0)
 
 
-class Method(_Table):
+class Averaging(Table):
+    """Non-local mean of the norm of the strain rate in the law's non-linear part."""
+
+    characteristic_length_m: float | None = Field(None, ge=0, description="l_c; 3 d50 if absent, 0 for a local law")
+    weight: Literal["gaussian", "exponential"] = "gaussian"
+
+
+class Method(Table):
     """How it is computed."""
 
     noise_control: Literal["column", "none"] = "column"
@@ -124,7 +167,7 @@ class Method(_Table):
     longest_settling_s: float = Field(1.0, ge=0, description="or 20 column periods, if longer")
 
 
-class Machine(_Table):
+class Machine(Table):
     """Where it is computed."""
 
     arch: Literal["cpu", "cuda"] = "cpu"
@@ -138,13 +181,14 @@ class Machine(_Table):
         return value
 
 
-class Scene(_Table):
+class Scene(Table):
     """A silo with parallel walls, filled with sand, whose bottom is lowered."""
 
     silo: Silo = Silo()
     sand: Sand = Sand()
     walls: Walls = Walls()
     grid: Mesh = Mesh()
+    averaging: Averaging = Averaging()
     flow: Flow = Flow()
     method: Method = Method()
     machine: Machine = Machine()
@@ -165,6 +209,25 @@ class Scene(_Table):
                 f"displacement is {self.flow.displacement_m} m; it must be at most the height of {self.silo.height_m} m"
             )
         return self
+
+    @property
+    def characteristic_length_m(self) -> float:
+        """l_c: as given, or three mean grain diameters."""
+        given = self.averaging.characteristic_length_m
+        return 3.0 * self.sand.d50_m if given is None else given
+
+    @property
+    def spacing_m(self) -> float:
+        """Of the points."""
+        return self.grid.cell_size_m / math.isqrt(self.grid.points_per_cell)
+
+    def kernel(self):
+        """Weight of the non-local average, or None where it would change nothing."""
+        return active_kernel(self.averaging.weight, self.characteristic_length_m, self.spacing_m)[0]
+
+    def about_averaging(self) -> str:
+        """In a sentence, whether the average is at work."""
+        return active_kernel(self.averaging.weight, self.characteristic_length_m, self.spacing_m)[1]
 
     @property
     def points(self) -> int:
@@ -189,6 +252,24 @@ class Scene(_Table):
     def weight_N_per_m(self) -> float:
         """Weight of the fill."""
         return self.density_kg_per_m3 * self.method.gravity_m_per_s2 * self.silo.width_m * self.silo.height_m
+
+
+def active_kernel(weight: str, length_m: float, spacing_m: float):
+    """Weight of the non-local average, None where it would change nothing, and a sentence about it."""
+    if length_m == 0.0:
+        return None, "The law is local: the characteristic length is 0."
+    kernel = WEIGHTS[weight](length_m)
+    own = self_weight(kernel, spacing_m)
+    if own > INACTIVE_FROM:
+        return None, (
+            f"Non-locality is inactive: with points {1e3 * spacing_m:g} mm apart and a characteristic length of "
+            f"{1e3 * length_m:g} mm a point's own weight is {own:.4f}; points closer than "
+            f"{1e3 * length_m:g} mm would make it work."
+        )
+    return kernel, (
+        f"Non-locality is active: with points {1e3 * spacing_m:g} mm apart and a characteristic length of "
+        f"{1e3 * length_m:g} mm a point's own weight is {own:.3f}."
+    )
 
 
 def one_sentence(error: ValidationError) -> str:

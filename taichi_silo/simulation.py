@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from taichi_silo.averaging import NonLocal
 from taichi_silo.grid import MARGIN, Grid
 from taichi_silo.laws.stress_point import wave_speed
 from taichi_silo.noise import NoiseControl
@@ -86,7 +87,7 @@ class Simulation:
 
     def __init__(self, scene: Scene, control: NoiseControl | None = None):
         self.scene = scene
-        self.law = scene.sand.law()
+        self.law = scene.sand.constitutive_law()
         self.time, self.displacement, self.stage = 0.0, 0.0, "filling"
         self.settled = False  # whether the wall force had come to rest before the flow
         self.flow_start, self.bottom_speed = None, 0.0  # [s], [m/s]
@@ -106,9 +107,11 @@ class Simulation:
         room = max(HEADROOM * scene.silo.height_m, scene.flow.displacement_m + 2.0 * h)
         grid = Grid(scene.silo.width_m, scene.silo.height_m + room, h, copies=threads())
         self.particles = self._fill_box()
+        kernel = scene.kernel()
         self.solver = Solver(
-            self.particles, grid, SHAPES[scene.grid.shape](0.5 / per_axis), self.law, self._walls(grid), control
-        )
+            self.particles, grid, SHAPES[scene.grid.shape](0.5 / per_axis), self.law, self._walls(grid), control,
+            averaging=NonLocal(kernel, self.particles, self.spacing) if kernel else None,
+        )  # fmt: skip
         self.mass = float(self.particles.mass.to_numpy().sum())
         self.solver.advance(0, 1.0)  # compiles
 
@@ -117,17 +120,18 @@ class Simulation:
         columns, rows = round(scene.silo.width_m / d), round(scene.silo.height_m / d)
         x, y = np.meshgrid((np.arange(columns) + 0.5) * d, (np.arange(rows) + 0.5) * d)
         count = columns * rows
-        particles = Particles(count)
-        particles.load(
-            {
-                "position": np.stack([x.ravel(), y.ravel()], axis=1),
-                "velocity": np.zeros((count, 2)),
-                "stress": np.tile([-self.law.rest_stress] * 3 + [0.0], (count, 1)),
-                "mass": np.full(count, scene.density_kg_per_m3 * d * d),
-                "volume": np.full(count, d * d),
-                "path": np.zeros(count),
-            }
-        )
+        particles = Particles(count, self.law.REMEMBERS)
+        state = {
+            "position": np.stack([x.ravel(), y.ravel()], axis=1),
+            "velocity": np.zeros((count, 2)),
+            "stress": np.tile([-self.law.rest_stress] * 3 + [0.0], (count, 1)),
+            "mass": np.full(count, scene.density_kg_per_m3 * d * d),
+            "volume": np.full(count, d * d),
+            "path": np.zeros(count),
+        }
+        if self.law.REMEMBERS:  # the last strain is that of filling: vertical compression
+            state["intergranular"] = np.tile([0.0, -self.law.radius, 0.0, 0.0], (count, 1))
+        particles.load(state)
         return particles
 
     def _walls(self, grid: Grid) -> tuple[PlaneWall, ...]:

@@ -53,7 +53,7 @@ class Summary(Observer):
         """Write the file."""
         simulation, seconds = self.simulation, time.monotonic() - self.started
         scene, records = simulation.scene, pd.DataFrame(self.records)
-        found = {"finished": self.failure is None}
+        found = {"finished": self.failure is None, "averaging": scene.about_averaging()}
         if self.failure is not None:
             found["failure"] = self.failure
         if not records.empty:
@@ -108,7 +108,7 @@ class Summary(Observer):
             angle = filling["wall_friction_angle_deg"]
         found = {
             "wall_friction_angle_deg": angle,
-            "pressure_ratio_K0": rest_pressure_ratio(self.simulation.law, scene.sand.void_ratio),
+            "pressure_ratio_K0": rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio),
             "pressure_ratio_measured": ratio,
         }
         density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2

@@ -23,7 +23,7 @@ def mass_on_grid(solver):
     @ti.kernel
     def scatter_all():
         for p in range(solver.particles.count):
-            scatter(solver.particles, solver.grid, solver.shape, p, 0, True)
+            scatter(solver.particles, solver.grid, solver.shape, solver.setting, p, 0, True)
 
     scatter_all()
     total = float(solver.grid.mass.to_numpy().sum())
@@ -155,7 +155,7 @@ def test_filling_between_smooth_walls_agrees_with_janssen_at_the_laws_own_pressu
         history = histories[void_ratio, "smooth"]
         scene = history.scene
         theory = Janssen(
-            0.2, 0.5, scene.density_kg_per_m3 * 9.81, angle, rest_pressure_ratio(scene.sand.law(), void_ratio)
+            0.2, 0.5, scene.density_kg_per_m3 * 9.81, angle, rest_pressure_ratio(scene.sand.skeleton(), void_ratio)
         )
         last = history.filling[-10:]
         assert np.mean([r.normal_N_per_m for r in last]) == pytest.approx(theory.normal_force_N_per_m, rel=0.15)

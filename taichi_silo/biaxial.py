@@ -1,0 +1,163 @@
+"""Plane strain compression of a specimen with a weak element: the biaxial test of the paper's section 5."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from taichi_silo.laws.stress_point import wave_speed
+from taichi_silo.noise import NoiseControl
+from taichi_silo.scene import Averaging, Machine, Sand, Table, active_kernel
+from taichi_silo.specimen import Specimen
+from taichi_silo.walls import Glide, Pin, PlaneWall
+
+RAMP_PERIODS = 4  # the plate reaches its speed over so many periods of the specimen
+ROWS_PER_PERCENT = 40  # rows of the curve in one per cent of shortening
+ROOM = 0.5  # free width on either side, over the specimen's width
+
+
+class BiaxialScene(Table):
+    """A specimen between two smooth plates, in a fluid under pressure; the upper plate goes down."""
+
+    sand: Sand = Sand(void_ratio=0.55)
+    width_m: float = Field(0.04, gt=0)
+    height_m: float = Field(0.14, gt=0)
+    points_across: int = Field(24, ge=4, le=400, description="points along the width")
+    points_per_cell: Literal[1, 4, 9] = 4
+    pressure_Pa: float = Field(50e3, ge=100.0, le=5e6, description="of the fluid around the sides")
+    weak_void_ratio: float = Field(0.91, description="of the weak element at mid-height on the left")
+    weak_size_m: float = Field(0.005, ge=0)
+    averaging: Averaging = Averaging()
+    speed_m_per_s: float = Field(0.02, gt=0, description="of the upper plate")
+    shortening: float = Field(0.05, gt=0, le=0.3, description="at the end, u / height")
+    gravity_m_per_s2: float = Field(9.81, ge=0)
+    noise_control: Literal["column", "none"] = "column"
+    time_step_s: float | None = Field(None, gt=0)
+    machine: Machine = Machine()
+
+    @model_validator(mode="after")
+    def _fits(self):
+        per_axis = math.isqrt(self.points_per_cell)
+        rows = self.height_m / self.spacing_m
+        if self.points_across % (2 * per_axis) or abs(rows - round(rows)) > 1e-6 or round(rows) % per_axis:
+            raise ValueError(
+                f"points across is {self.points_across}; with {self.points_per_cell} points a cell it must be a "
+                f"multiple of {2 * per_axis}, and the cells must divide the height of {1e3 * self.height_m:g} mm"
+            )
+        self.sand.check_at(self.pressure_Pa)
+        self.sand.model_copy(update={"void_ratio": self.weak_void_ratio}).check_at(self.pressure_Pa)
+        return self
+
+    @property
+    def spacing_m(self) -> float:
+        """Of the points."""
+        return self.width_m / self.points_across
+
+    @property
+    def cell_size_m(self) -> float:
+        """Of the grid."""
+        return self.spacing_m * math.isqrt(self.points_per_cell)
+
+    @property
+    def characteristic_length_m(self) -> float:
+        """l_c: as given, or three mean grain diameters."""
+        given = self.averaging.characteristic_length_m
+        return 3.0 * self.sand.d50_m if given is None else given
+
+    def averaging_kernel(self):
+        """Weight of the non-local average or None, and a sentence about it."""
+        return active_kernel(self.averaging.weight, self.characteristic_length_m, self.spacing_m)
+
+
+@dataclass(frozen=True)
+class BiaxialRow:
+    """One row of the curve."""
+
+    shortening: float  # u / height
+    friction_angle_deg: float  # from the plate's force over the specimen's present width
+    axial_stress_Pa: float  # compression positive
+    void_ratio: float
+    kinetic_energy_J: float
+    time_step_s: float
+
+
+class Biaxial:
+    """The test of a scene; Taichi has been started. Iterate over `run()`."""
+
+    def __init__(self, scene: BiaxialScene):
+        self.scene = scene
+        law = scene.sand.constitutive_law()
+        h, p = scene.cell_size_m, scene.pressure_Pa
+        per_axis = math.isqrt(scene.points_per_cell)
+        place = Specimen.lattice(scene.width_m, scene.height_m, h, per_axis)
+        weak = (place[:, 0] < scene.weak_size_m) & (
+            np.abs(place[:, 1] - 0.5 * scene.height_m) < 0.5 * scene.weak_size_m
+        )
+        e = np.where(weak, scene.weak_void_ratio, scene.sand.void_ratio)
+        density = law.grain_density / (1.0 + scene.sand.void_ratio)
+        stress = np.tile([-p, -p, -p, 0.0], (len(place), 1))
+        stress[:, 1] -= density * scene.gravity_m_per_s2 * (scene.height_m - place[:, 1])
+        middle = stress[len(stress) // 2]
+        self.period = 4.0 * scene.height_m / wave_speed(law, middle, scene.sand.void_ratio)
+        left = ROOM * scene.width_m - math.fmod(ROOM * scene.width_m, h)
+        part = -law.radius / math.sqrt(3.0) if law.REMEMBERS else 0.0
+
+        def walls(grid):
+            bottom = grid.node_along(0.0)
+            return (
+                PlaneWall("bottom", 1, -1, bottom, Glide()),
+                Pin(grid.node_along(left + 0.5 * scene.width_m), bottom),
+                PlaneWall("top", 1, 1, grid.top, Glide(), motion=(0.0, 1.0)),
+            )
+
+        kernel, self.about_averaging = scene.averaging_kernel()
+        self.specimen = Specimen(
+            law, e, width_m=scene.width_m, height_m=scene.height_m, cell_size_m=h, per_axis=per_axis,
+            walls=walls, stress=stress,
+            ambient_pressure=p, left_m=left, gravity=scene.gravity_m_per_s2, kernel=kernel,
+            control=NoiseControl.for_column(self.period) if scene.noise_control == "column" else None,
+            time_step_s=scene.time_step_s, h=(part, part, part, 0.0),
+        )  # fmt: skip
+        self.left = left
+
+    def run(self) -> Iterator[BiaxialRow]:
+        """Lower the plate: a smooth start, then constant speed."""
+        scene, piece = self.scene, self.specimen
+        target = scene.shortening * scene.height_m
+        duration = 0.01 * scene.height_m / scene.speed_m_per_s / ROWS_PER_PERCENT
+        ramp = RAMP_PERIODS * self.period
+        while piece.travel > -target * (1.0 - 1e-9):
+            part = min((piece.time + duration) / ramp, 1.0)
+            speed = scene.speed_m_per_s * part * part * (3.0 - 2.0 * part)
+            mean = 0.5 * (speed - piece.speed)
+            yield self._row(piece.drive(min(duration, (target + piece.travel) / mean), -speed))
+
+    def _row(self, reading) -> BiaxialRow:
+        scene = self.scene
+        axial = scene.pressure_Pa + reading.plate_force_N[1] * -1.0 / self.top_width()
+        low, high = sorted((axial, scene.pressure_Pa))
+        return BiaxialRow(
+            shortening=-reading.travel_m / scene.height_m,
+            friction_angle_deg=math.degrees(math.asin((high - low) / (high + low))),
+            axial_stress_Pa=axial,
+            void_ratio=reading.void_ratio,
+            kinetic_energy_J=reading.kinetic_energy_J,
+            time_step_s=reading.time_step_s,
+        )
+
+    def top_width(self) -> float:
+        """Width of the specimen under the upper plate [m]."""
+        place = self.specimen.particles.position.to_numpy()[-self.scene.points_across :]
+        return float(np.ptp(place[:, 0])) * self.scene.points_across / (self.scene.points_across - 1)
+
+    def points(self) -> dict[str, np.ndarray]:
+        """All fields of the points; `position` from the left edge's first place, `reference` at the start."""
+        scene = self.scene
+        arrays = self.specimen.particles.arrays()
+        arrays["position"] = arrays["position"] - np.array([self.left, 0.0])
+        arrays["reference"] = Specimen.lattice(scene.width_m, scene.height_m, scene.spacing_m)
+        arrays["void_ratio"] = arrays["volume"] * self.specimen.law.grain_density / arrays["mass"] - 1.0
+        return arrays

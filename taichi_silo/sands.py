@@ -1,0 +1,59 @@
+"""Named sands, and files with one's own."""
+
+import difflib
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from taichi_silo.faults import BadInput
+from taichi_silo.scene import Sand, one_sentence
+
+NOTES = ("title", "source", "read_in")
+
+
+def published() -> dict[str, dict]:
+    """Every named sand: its constants, `title`, `source`, and `read_in`, where the numbers were read."""
+    return tomllib.loads((files("taichi_silo") / "sands.toml").read_text())
+
+
+def sand(name_or_file: str, void_ratio: float, **more) -> Sand:
+    """A named sand, or that of a TOML file with the same keys, at a void ratio.
+
+    Raises
+    ------
+    BadInput
+        if there is no such sand or file, a constant is missing or unknown, or the set is impossible.
+
+    """
+    known = published()
+    key = str(name_or_file).strip().lower()
+    if key in known:
+        constants = {k: v for k, v in known[key].items() if k not in NOTES}
+        return _checked({"name": key, **constants}, void_ratio, more)
+    file = Path(name_or_file).expanduser()
+    if file.suffix.lower() != ".toml":
+        near = difflib.get_close_matches(key, known, 1)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise BadInput(f"sand is {name_or_file}; it must be a TOML file or one of {', '.join(known)}{hint}")
+    try:
+        constants = tomllib.loads(file.read_text())
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise BadInput(f"sand file {file} cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    needed = [name for name in next(iter(known.values())) if name not in NOTES]
+    missing = [name for name in needed if name not in constants]
+    if missing:
+        raise BadInput(f"sand file {file} lacks {', '.join(missing)}")
+    unknown = [name for name in constants if name not in (*needed, *NOTES, "name")]
+    if unknown:
+        raise BadInput(f"sand file {file} holds {unknown[0]}; a sand has {', '.join(needed)}")
+    constants = {k: v for k, v in constants.items() if k not in NOTES}
+    try:
+        return _checked({"name": file.stem, **constants}, void_ratio, more)
+    except ValidationError as error:
+        raise BadInput(f"sand file {file}: {one_sentence(error)}") from error
+
+
+def _checked(constants: dict, void_ratio: float, more: dict) -> Sand:
+    return Sand.model_validate({**constants, "void_ratio": void_ratio, **more})
