@@ -30,6 +30,7 @@ class BiaxialScene(Table):
     pressure_Pa: float = Field(50e3, ge=100.0, le=5e6, description="of the fluid around the sides")
     weak_void_ratio: float = Field(0.91, description="of the weak element at mid-height on the left")
     weak_size_m: float = Field(0.005, ge=0)
+    weak_height: float = Field(0.5, gt=0, lt=1, description="of its middle, over the specimen's height")
     averaging: Averaging = Averaging()
     speed_m_per_s: float = Field(0.02, gt=0, description="of the upper plate")
     shortening: float = Field(0.05, gt=0, le=0.3, description="at the end, u / height")
@@ -94,7 +95,7 @@ class Biaxial:
         per_axis = math.isqrt(scene.points_per_cell)
         place = Specimen.lattice(scene.width_m, scene.height_m, h, per_axis)
         weak = (place[:, 0] < scene.weak_size_m) & (
-            np.abs(place[:, 1] - 0.5 * scene.height_m) < 0.5 * scene.weak_size_m
+            np.abs(place[:, 1] - scene.weak_height * scene.height_m) < 0.5 * scene.weak_size_m
         )
         e = np.where(weak, scene.weak_void_ratio, scene.sand.void_ratio)
         density = law.grain_density / (1.0 + scene.sand.void_ratio)
