@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from taichi_silo.faults import RunFailed
 from taichi_silo.laws.stress_point import wave_speed
 from taichi_silo.noise import NoiseControl
 from taichi_silo.scene import Averaging, Machine, Sand, Table, active_kernel
@@ -25,14 +26,14 @@ class BiaxialScene(Table):
     sand: Sand = Sand(void_ratio=0.55)
     width_m: float = Field(0.04, gt=0)
     height_m: float = Field(0.14, gt=0)
-    points_across: int = Field(24, ge=4, le=400, description="points along the width")
+    points_across: int = Field(32, ge=4, le=400, description="points along the width")
     points_per_cell: Literal[1, 4, 9] = 4
     pressure_Pa: float = Field(50e3, ge=100.0, le=5e6, description="of the fluid around the sides")
     weak_void_ratio: float = Field(0.91, description="of the weak element at mid-height on the left")
     weak_size_m: float = Field(0.005, ge=0)
-    weak_height: float = Field(0.5, gt=0, lt=1, description="of its middle, over the specimen's height")
+    weak_height: float = Field(0.55, gt=0, lt=1, description="of its middle, over the specimen's height")
     averaging: Averaging = Averaging()
-    speed_m_per_s: float = Field(0.02, gt=0, description="of the upper plate")
+    speed_m_per_s: float = Field(0.05, gt=0, description="of the upper plate")
     shortening: float = Field(0.05, gt=0, le=0.3, description="at the end, u / height")
     gravity_m_per_s2: float = Field(9.81, ge=0)
     noise_control: Literal["column", "none"] = "column"
@@ -51,6 +52,14 @@ class BiaxialScene(Table):
         self.sand.check_at(self.pressure_Pa)
         self.sand.model_copy(update={"void_ratio": self.weak_void_ratio}).check_at(self.pressure_Pa)
         return self
+
+    @property
+    def cost(self) -> float:
+        """How long it takes, in a unit of its own."""
+        step = self.time_step_s or 8e-4 * self.cell_size_m
+        steps = self.shortening * self.height_m / self.speed_m_per_s / step
+        reach = (9.0 if self.averaging.weight == "exponential" else 3.0) * self.characteristic_length_m
+        return steps * self.points_across**2 * (1.0 + 0.015 * (reach / self.spacing_m) ** 2)
 
     @property
     def spacing_m(self) -> float:
@@ -122,7 +131,7 @@ class Biaxial:
             control=NoiseControl.for_column(self.period) if scene.noise_control == "column" else None,
             time_step_s=scene.time_step_s, h=(part, part, part, 0.0),
         )  # fmt: skip
-        self.left = left
+        self.left, self.initial_void_ratio = left, e
 
     def run(self) -> Iterator[BiaxialRow]:
         """Lower the plate: a smooth start, then constant speed."""
@@ -134,7 +143,13 @@ class Biaxial:
             part = min((piece.time + duration) / ramp, 1.0)
             speed = scene.speed_m_per_s * part * part * (3.0 - 2.0 * part)
             mean = 0.5 * (speed - piece.speed)
-            yield self._row(piece.drive(min(duration, (target + piece.travel) / mean), -speed))
+            reading = piece.drive(min(duration, (target + piece.travel) / mean), -speed)
+            if reading.strays or not np.isfinite(reading.stress_Pa).all():
+                raise RunFailed(
+                    f"at u / h = {-reading.travel_m / scene.height_m:.4f} {reading.strays} points left the grid or are "
+                    f"not finite; a time step too large is the likely cause (it was {1e6 * reading.time_step_s:.2f} us)"
+                )
+            yield self._row(reading)
 
     def _row(self, reading) -> BiaxialRow:
         scene = self.scene
@@ -160,5 +175,6 @@ class Biaxial:
         arrays = self.specimen.particles.arrays()
         arrays["position"] = arrays["position"] - np.array([self.left, 0.0])
         arrays["reference"] = Specimen.lattice(scene.width_m, scene.height_m, scene.spacing_m)
+        arrays["initial_void_ratio"] = self.initial_void_ratio
         arrays["void_ratio"] = arrays["volume"] * self.specimen.law.grain_density / arrays["mass"] - 1.0
         return arrays

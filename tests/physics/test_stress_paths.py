@@ -28,7 +28,6 @@ def test_all_reference_curves_are_there():
     assert (len(PRESCRIBED), len(MIXED)) == (10, 26)
 
 
-
 def follow(data, name, increment, longest=np.inf):
     """Largest error of the stresses over the largest of them, and of the void ratio, along a reference curve.
 

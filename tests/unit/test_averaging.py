@@ -1,0 +1,209 @@
+"""The non-local average: a weighted mean over neighbours, kept in sparse rows."""
+
+import math
+
+import numpy as np
+import pytest
+import taichi as ti
+
+from taichi_silo import runtime
+from taichi_silo.averaging import Exponential, Gaussian, NonLocal, self_weight
+from taichi_silo.faults import RunFailed
+from taichi_silo.particles import Particles
+from taichi_silo.scene import Averaging, Mesh, Scene
+from taichi_silo.simulation import Simulation
+
+LENGTH = 1.5e-3
+KERNELS = [Gaussian(LENGTH), Exponential(LENGTH)]
+
+
+@ti.data_oriented
+class Means:
+    """Reads all means."""
+
+    def __init__(self, average):
+        self.average = average
+        self.found = ti.field(runtime.real, shape=average.particles.count)
+
+    @ti.kernel
+    def read(self):
+        for p in range(self.average.particles.count):
+            self.found[p] = self.average.mean(p)
+
+    def __call__(self, norm):
+        self.average.norm.from_numpy(np.ascontiguousarray(norm, dtype=float))
+        self.read()
+        return self.found.to_numpy()
+
+
+def points_at(place, volume=None):
+    count = len(place)
+    particles = Particles(count)
+    particles.load(
+        {
+            "position": place,
+            "velocity": np.zeros((count, 2)),
+            "stress": np.zeros((count, 4)),
+            "mass": np.ones(count),
+            "volume": np.ones(count) if volume is None else volume,
+            "path": np.zeros(count),
+        }  # fmt: skip
+    )
+    return particles
+
+
+def scattered(count=600, size=0.03, seed=1):
+    rng = np.random.default_rng(seed)
+    return rng.uniform(0.0, size, (count, 2)), rng.uniform(0.5, 2.0, count), rng.uniform(0.0, 5.0, count)
+
+
+def by_definition(kernel, place, volume, norm):
+    distance = np.linalg.norm(place[:, None] - place[None], axis=2)
+    ratio = distance / kernel.length_m
+    weight = np.exp(-(ratio**2 if isinstance(kernel, Gaussian) else ratio)) * (distance <= kernel.CUT * LENGTH)
+    weight = weight * volume
+    return weight @ norm / weight.sum(axis=1)
+
+
+@pytest.mark.parametrize("kernel", KERNELS, ids=["gaussian", "exponential"])
+def test_it_is_the_mean_by_definition(kernel):
+    place, volume, norm = scattered()
+    average = NonLocal(kernel, points_at(place, volume), 0.03 / math.sqrt(600))
+    average.refresh()
+    assert np.abs(Means(average)(norm) - by_definition(kernel, place, volume, norm)).max() < 1e-13
+
+
+def test_a_homogeneous_field_stays_as_it_is_next_to_walls_and_in_corners():
+    place, volume, _ = scattered(seed=2)
+    average = NonLocal(Gaussian(LENGTH), points_at(place, volume), 0.03 / math.sqrt(600))
+    average.refresh()
+    assert np.abs(Means(average)(np.full(600, 3.7)) - 3.7).max() < 1e-13
+
+
+def test_cost_grows_with_points_times_neighbours():
+    spacing, pairs = 0.5e-3, []
+    for across in (30, 60, 120):
+        x, y = np.meshgrid(np.arange(across) * spacing, np.arange(across) * spacing)
+        average = NonLocal(Gaussian(LENGTH), points_at(np.stack([x.ravel(), y.ravel()], axis=1)), spacing)
+        average.refresh()
+        pairs.append(average.pairs / across**2)
+    inside = sum(i * i + j * j <= 81 for i in range(-9, 10) for j in range(-9, 10))
+    assert pairs[0] < pairs[1] < pairs[2] < inside  # fewer neighbours at the edges only
+    assert pairs[2] > 0.9 * inside
+
+
+def in_a_shear_zone(amount):
+    """A lattice and the same lattice after a shear zone has moved its points by up to `amount`."""
+    spacing = 0.75e-3
+    x, y = np.meshgrid(np.arange(40) * spacing, np.arange(40) * spacing)
+    place = np.stack([x.ravel(), y.ravel()], axis=1)
+    profile = np.exp(-(((place[:, 0] - 0.015) / 0.003) ** 2))
+    moved = place + np.stack([0.2 * amount * profile, amount * np.tanh((place[:, 0] - 0.015) / 0.003)], axis=1)
+    return place, moved, profile, spacing
+
+
+def test_kept_rows_give_the_answer_of_new_ones_as_long_as_they_are_kept():
+    allowed = 0.02 * LENGTH
+    place, moved, norm, spacing = in_a_shear_zone(0.98 * allowed)
+    particles = points_at(place)
+    average = NonLocal(Gaussian(LENGTH), particles, spacing)
+    average.refresh()
+    particles.load(particles.arrays() | {"position": moved})
+    kept = Means(average)(norm)
+    average.build()
+    new = Means(average)(norm)
+    assert np.abs(kept - new).max() < 2e-3 * norm.max()
+    assert np.abs(kept - norm).max() > 0.05 * norm.max()  # the average itself changes much more
+
+
+def test_rows_are_built_anew_once_half_of_the_allowed_displacement_is_used_up():
+    allowed = 0.02 * LENGTH
+    for amount, builds in ((0.4, 1), (0.6, 2)):
+        place, moved, _, spacing = in_a_shear_zone(amount * allowed)
+        particles = points_at(place)
+        average = NonLocal(Gaussian(LENGTH), particles, spacing)
+        average.refresh()
+        particles.load(particles.arrays() | {"position": moved})
+        average.refresh()
+        assert average.builds == builds
+
+
+def test_rows_kept_far_too_long_would_be_wrong():
+    place, moved, norm, spacing = in_a_shear_zone(2.0 * LENGTH)
+    particles = points_at(place)
+    average = NonLocal(Gaussian(LENGTH), particles, spacing)
+    average.refresh()
+    particles.load(particles.arrays() | {"position": moved})
+    kept = Means(average)(norm)
+    average.build()
+    assert np.abs(kept - Means(average)(norm)).max() > 0.02 * norm.max()
+
+
+def test_points_that_clump_beyond_the_room_of_the_rows_stop_the_run():
+    place = np.full((400, 2), 0.01) + np.random.default_rng(3).uniform(0.0, 1e-4, (400, 2))
+    with pytest.raises(RunFailed, match="clumped"):
+        NonLocal(Gaussian(LENGTH), points_at(place), 1.5e-3).refresh()
+
+
+def test_a_length_that_is_not_positive_is_refused():
+    for length in (0.0, -1e-3):
+        with pytest.raises(ValueError, match="above 0"):
+            NonLocal(Gaussian(length), points_at(np.zeros((4, 2))), 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("spacing_mm", "weight"), [(0.83, 0.098), (1.25, 0.221), (1.66, 0.389), (2.5, 0.791), (5.0, 1.0)]
+)
+def test_share_of_the_own_weight_on_a_lattice(spacing_mm, weight):
+    """On the paper's silo grid, 5 mm, the average is local."""
+    assert self_weight(Gaussian(LENGTH), 1e-3 * spacing_mm) == pytest.approx(weight, abs=2e-3)
+
+
+def test_a_scene_says_when_non_locality_is_inactive_and_then_leaves_it_out():
+    coarse, fine = Scene(), Scene(grid=Mesh(cell_size_m=0.0025))
+    assert coarse.about_averaging().startswith("Non-locality is inactive")
+    assert coarse.kernel() is None
+    assert fine.about_averaging().startswith("Non-locality is active")
+    assert fine.kernel() == Gaussian(LENGTH)
+    local = fine.model_copy(update={"averaging": Averaging(characteristic_length_m=0.0)})
+    assert local.kernel() is None
+    assert "local" in local.about_averaging()
+    printed = Scene(averaging=Averaging(weight="exponential"))  # its tail reaches the next point even at 5 mm
+    assert printed.kernel() == Exponential(LENGTH)
+
+
+def filled(threads=1, shared=None, length=3e-3):
+    from taichi_silo.grid import Grid
+    from taichi_silo.scene import Silo, Walls
+
+    runtime.init(threads=threads)
+    scene = Scene(
+        silo=Silo(width_m=0.04, height_m=0.08), grid=Mesh(cell_size_m=0.0025), walls=Walls(kind="very-rough"),
+        averaging=Averaging(characteristic_length_m=length),
+    )  # fmt: skip
+    simulation = Simulation(scene)
+    state = simulation.particles.arrays()
+    count = simulation.particles.count
+    state["stress"] = np.tile([-3e3, -5e3, -3e3, 0.0], (count, 1))
+    state["velocity"] = np.random.default_rng(4).normal(0.0, 0.01, (count, 2))
+    simulation.particles.load(state)
+    whole = simulation.solver
+    if shared:
+        simulation.solver = type(whole)(
+            whole.particles, Grid(0.04, 0.105, 0.0025), whole.shape, whole.law, whole.walls, whole.control,
+            averaging=whole.averaging, shared=True,
+        )  # fmt: skip
+    simulation.solver.advance(400, 1e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
+    return simulation
+
+
+@pytest.mark.parametrize("how", [{"threads": 2}, {"threads": 2, "shared": True}], ids=["two threads", "atomic sums"])
+def test_loops_agree_to_round_off_with_an_average(how):
+    alone = filled()
+    fields, pairs = alone.particles.arrays(), alone.solver.averaging.pairs
+    assert pairs > 10 * alone.particles.count
+    local = filled(length=0.0).particles.arrays()
+    assert np.abs(fields["stress"] - local["stress"]).max() > 1e-4 * np.abs(fields["stress"]).max()
+    other = filled(**how).particles.arrays()
+    for name, field in fields.items():
+        assert np.abs(field - other[name]).max() <= 1e-9 * np.abs(field).max(), name
