@@ -17,6 +17,7 @@ from taichi_silo.walls import Glide, Pin, PlaneWall
 
 RAMP_PERIODS = 4  # the plate reaches its speed over so many periods of the specimen
 ROWS_PER_PERCENT = 40  # rows of the curve in one per cent of shortening
+LONGEST_STEP = 1.5  # over the stable one; beyond, results are wrong before anything explodes
 ROOM = 0.5  # free width on either side, over the specimen's width
 
 
@@ -111,7 +112,9 @@ class Biaxial:
         stress = np.tile([-p, -p, -p, 0.0], (len(place), 1))
         stress[:, 1] -= density * scene.gravity_m_per_s2 * (scene.height_m - place[:, 1])
         middle = stress[len(stress) // 2]
-        self.period = 4.0 * scene.height_m / wave_speed(law, middle, scene.sand.void_ratio)
+        speed = wave_speed(law, middle, scene.sand.void_ratio)
+        self.period = 4.0 * scene.height_m / speed
+        control = NoiseControl.for_specimen(self.period, h / speed) if scene.noise_control == "column" else None
         left = ROOM * scene.width_m - math.fmod(ROOM * scene.width_m, h)
         part = -law.radius / math.sqrt(3.0) if law.REMEMBERS else 0.0
 
@@ -128,8 +131,7 @@ class Biaxial:
             law, e, width_m=scene.width_m, height_m=scene.height_m, cell_size_m=h, per_axis=per_axis,
             walls=walls, stress=stress,
             ambient_pressure=p, left_m=left, gravity=scene.gravity_m_per_s2, kernel=kernel,
-            control=NoiseControl.for_column(self.period) if scene.noise_control == "column" else None,
-            time_step_s=scene.time_step_s, h=(part, part, part, 0.0),
+            control=control, time_step_s=scene.time_step_s, h=(part, part, part, 0.0),
         )  # fmt: skip
         self.left, self.initial_void_ratio = left, e
 
@@ -148,6 +150,12 @@ class Biaxial:
                 raise RunFailed(
                     f"at u / h = {-reading.travel_m / scene.height_m:.4f} {reading.strays} points left the grid or are "
                     f"not finite; a time step too large is the likely cause (it was {1e6 * reading.time_step_s:.2f} us)"
+                )
+            if reading.time_step_s > LONGEST_STEP * reading.stable_step_s:
+                raise RunFailed(
+                    f"at u / h = {-reading.travel_m / scene.height_m:.4f} the time step of "
+                    f"{1e6 * reading.time_step_s:.2f} us is above {LONGEST_STEP} times the stable one of "
+                    f"{1e6 * reading.stable_step_s:.2f} us; let it be chosen, or give a smaller one"
                 )
             yield self._row(reading)
 

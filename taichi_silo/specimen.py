@@ -33,6 +33,7 @@ class Reading:
     plate_force_N: np.ndarray  # mean of the upper plate on the sand over the interval (x, y), beyond the fluid's
     kinetic_energy_J: float
     time_step_s: float
+    stable_step_s: float  # at the end
     strays: int
 
 
@@ -126,5 +127,6 @@ class Specimen:
             plate_force_N=reaction[-1].sum(axis=0) / duration_s if solver.walls else np.zeros(2),
             kinetic_energy_J=found.kinetic_energy,
             time_step_s=dt,
+            stable_step_s=found.stable_step,
             strays=found.strays,
         )
