@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup silo four-cases noise test test-long bench lint clean
+.PHONY: setup silo four-cases noise element-tests study-biaxial test test-long bench lint clean
 
 setup: $(READY)
 
@@ -26,6 +26,14 @@ four-cases: $(READY)
 # what noise does to the wall force
 noise: $(READY)
 	$(BIN)/python scenarios/noise_control.py
+
+# element tests of the paper (figures 1 and 2) through the law and through the method
+element-tests: $(READY)
+	$(BIN)/python scenarios/paper_element_tests.py
+
+# plane strain compression: every study of the paper's section 5 (figures 4 to 8), and more
+study-biaxial: $(READY)
+	$(BIN)/python scenarios/plane_strain_compression.py --study all
 
 test: $(READY)
 	$(BIN)/python -m pytest

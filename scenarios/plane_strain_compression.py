@@ -21,9 +21,10 @@ from typing import Annotated, Literal
 import pandas as pd
 from typer import Option
 
-from taichi_silo import cli, sands
-from taichi_silo.biaxial import BiaxialScene
-from taichi_silo.biaxial_run import STUDIES, draw_study, leave, summary_of, table_of
+from taichi_silo import cli, runtime, sands
+from taichi_silo.biaxial.run import leave, summary_of
+from taichi_silo.biaxial.scene import BiaxialScene
+from taichi_silo.biaxial.studies import STUDIES, differences, draw_study, table_of
 from taichi_silo.faults import BadInput
 from taichi_silo.folder import free_name
 from taichi_silo.scene import Averaging, Machine, cores
@@ -85,9 +86,13 @@ def run_studies(names: list[str], scene: BiaxialScene, folder: Path) -> None:
     for name in names:
         for file in draw_study(name, folder):
             print(file)
+    runtime.init()
     table = pd.concat([table_of(name, folder) for name in STUDIES if STUDIES[name].is_there(folder)])
     table.to_csv(folder / "table.csv", index=False, float_format="%.5g")
     print(folder / "table.csv")
+    apart = differences(folder)
+    apart.to_csv(folder / "differences.csv", index=False, float_format="%.3g")
+    print(apart.to_string(index=False, float_format=lambda value: f"{value:.3g}"))
 
 
 def _case(scene: BiaxialScene, place: Path) -> str:

@@ -15,7 +15,7 @@ from taichi_silo.scene import Scene, one_sentence
 MADE = "run.toml"  # its presence says that the folder holds a run
 PRODUCTS = (
     MADE, "summary.json", "forces.csv", "balance.csv", "walls.csv", "void_ratio.mp4", "void_ratio.partial.mp4",
-    "checkpoint.npz", "curve.csv", "points.npz",
+    "checkpoint.npz", "curve.csv", "points.npz", "points.vtu", "scene.json",
     "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv", "snapshots/silo.pvd",
 )  # fmt: skip
 

@@ -47,7 +47,7 @@ def specimens_figure(specimens: dict, field: str, title: str) -> Figure:
     words, colors = FIELD[field]
     values = np.concatenate([points[field] for points, _, _ in specimens.values()])
     scale = Normalize(*np.quantile(values, (0.005, 0.995)))
-    figure = new_figure(1.2 + 1.75 * len(specimens), 5.6)
+    figure = new_figure(1.4 + 1.7 * len(specimens), 4.9)
     panels = figure.subplots(1, len(specimens), sharey=True, squeeze=False)[0]
     for panel, (name, (points, spacing, band)) in zip(panels, specimens.items(), strict=True):
         place = 1e3 * points["position"]

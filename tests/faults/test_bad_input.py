@@ -6,13 +6,14 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).parents[2] / "scenarios" / "mass_flow.py"
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+SCRIPT = SCENARIOS / "mass_flow.py"
 
 
-def refuse(folder, *flags):
+def refuse(folder, *flags, script=SCRIPT):
     """The one sentence on stderr."""
     done = subprocess.run(
-        [sys.executable, str(SCRIPT), "--output", str(folder / "run"), *flags],
+        [sys.executable, str(script), "--output", str(folder / "run"), *flags],
         capture_output=True, text=True, cwd=folder, timeout=120,
     )  # fmt: skip
     assert done.returncode == 2, done.stderr
@@ -40,11 +41,52 @@ def refuse(folder, *flags):
         (["--speed", "fast"], ["speed", "fast"]),
         (["--speed=fast"], ["speed", "fast"]),
         (["--wall-friction-angle", "25"], ["25", "very rough"]),
+        (["--sand", "toyuora"], ["toyuora", "did you mean toyoura"]),
+        (["--sand", "mine.toml"], ["mine.toml", "cannot be read"]),
+        (["--sand", "hostun", "--void-ratio", "0.55"], ["void ratio", "0.55", "0.61", "1.09"]),
+        (["--law", "elastic"], ["elastic", "gudehus-bauer", "intergranular"]),
+        (["--characteristic-length", "-0.001"], ["characteristic_length_m", "-0.001", "at least 0"]),
+        (["--weight", "box"], ["box", "gaussian", "exponential"]),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) and value[0].startswith("--") else "",
 )
 def test_one_sentence_names_the_value_and_what_would_be_right(tmp_path, flags, words):
     sentence = refuse(tmp_path, *flags)
+    for word in words:
+        assert word in sentence, sentence
+
+
+@pytest.mark.parametrize(
+    ("flags", "words"),
+    [
+        (["triaxail"], ["triaxail", "triaxial"]),
+        (["triaxial", "--void-ratio", "0.50"], ["void ratio", "0.5", "0.51"]),
+        (["triaxial", "--sand", "hamburg", "--void-ratio", "0.94", "--pressure", "5e6"], ["0.94", "5e+06 Pa", "e_i"]),
+        (["triaxial", "--pressure", "-50e3"], ["pressure_Pa", "-50000", "at least 100"]),
+        (["oedometer", "--strain", "0.9"], ["strain", "0.9", "0.5"]),
+        (["oedometer", "--through", "fem"], ["fem", "point", "mpm"]),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) and len(value) < 4 else "",
+)
+def test_an_impossible_element_test_is_refused(tmp_path, flags, words):
+    sentence = refuse(tmp_path, *flags, script=SCENARIOS / "element_test.py")
+    for word in words:
+        assert word in sentence, sentence
+
+
+@pytest.mark.parametrize(
+    ("flags", "words"),
+    [
+        (["--characteristic-length", "-0.001"], ["characteristic_length_m", "-0.001", "at least 0"]),
+        (["--pressure", "0"], ["pressure_Pa", "0", "at least 100"]),
+        (["--points-across", "31"], ["points across", "31", "multiple of 4"]),
+        (["--void-ratio", "1.28", "--pressure", "500e3"], ["1.28", "e_i"]),
+        (["--study", "everything"], ["everything", "all"]),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) and value[0].startswith("--") else "",
+)
+def test_an_impossible_specimen_is_refused(tmp_path, flags, words):
+    sentence = refuse(tmp_path, *flags, script=SCENARIOS / "plane_strain_compression.py")
     for word in words:
         assert word in sentence, sentence
 

@@ -6,8 +6,10 @@ import pytest
 
 from taichi_silo import runtime
 from taichi_silo.averaging import NonLocal
-from taichi_silo.biaxial import Biaxial, BiaxialScene
-from taichi_silo.biaxial_run import angles, band_of, leave, summary_of, theory
+from taichi_silo.biaxial.bounds import bounds
+from taichi_silo.biaxial.compression import Biaxial
+from taichi_silo.biaxial.run import angles, band_of, leave, summary_of
+from taichi_silo.biaxial.scene import BiaxialScene
 from taichi_silo.faults import RunFailed
 from taichi_silo.scene import Averaging, Sand
 
@@ -27,9 +29,9 @@ def test_the_folder_holds_what_is_promised(left):
 
 
 def test_the_peak_lies_between_first_bifurcation_and_the_homogeneous_peak(left):
-    bound, found = theory(0.55, 50e3, SCENE), summary_of(left)
-    assert bound["bifurcation_deg"] - 0.5 < found["peak_friction_angle_deg"] < bound["homogeneous_peak_deg"] + 0.2
-    assert bound["bifurcation_at"] < found["peak_at_shortening"] < 1.2 * bound["homogeneous_peak_at"]
+    limits, found = bounds(0.55, 50e3, SCENE), summary_of(left)
+    assert limits["bifurcation_deg"] - 0.5 < found["peak_friction_angle_deg"] < limits["homogeneous_peak_deg"] + 0.2
+    assert limits["bifurcation_at"] < found["peak_at_shortening"] < 1.2 * limits["homogeneous_peak_at"]
 
 
 def test_before_localisation_it_follows_the_homogeneous_curve(left, data):

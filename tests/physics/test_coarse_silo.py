@@ -202,3 +202,22 @@ def test_force_curves_are_those_stored(history, data, renew_curves):
     for name in CURVES[1:]:
         assert len(stored) == len(thinned)
         assert np.abs(stored[name] - thinned[name]).max() < 2e-3 * size, name
+
+
+def test_sand_with_memory_fills_and_flows_between_smooth_walls_as_janssen_says():
+    """Its memory starts along the filling strain, so that it neither hangs nor overshoots."""
+    runtime.init()
+    scene = Scene(
+        sand=Sand(law="intergranular"), walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.025),
+        flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), method=Method(filling_time_s=0.3, longest_settling_s=0.3),
+    )  # fmt: skip
+    simulation = Simulation(scene)
+    assert simulation.particles.arrays()["intergranular"] == pytest.approx(np.tile([0.0, -1e-4, 0.0, 0.0], (160, 1)))
+    records = list(simulation.run())
+    theory = Janssen(0.2, 0.5, scene.density_kg_per_m3 * 9.81, 19.0, rest_pressure_ratio(scene.sand.skeleton(), 0.60))
+    filled = np.mean([r.normal_N_per_m for r in records if r.stage == "filling"][-10:])
+    flowing = np.mean([r.normal_N_per_m for r in records][-5:])
+    assert filled == pytest.approx(theory.normal_force_N_per_m, rel=0.1)
+    assert flowing == pytest.approx(filled, rel=0.05)
+    size = np.linalg.norm(simulation.points()["intergranular"] * [1, 1, 1, np.sqrt(2)], axis=1)
+    assert size.max() <= 1e-4 * (1 + 1e-9)

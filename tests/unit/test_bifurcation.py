@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from taichi_silo.biaxial_run import _path
+from taichi_silo.biaxial.bounds import homogeneous
 from taichi_silo.laws import Elastic, GudehusBauer
 from taichi_silo.laws.stress_point import StressPoint
 from taichi_silo.theory.bifurcation import band_sizes, first_bifurcation
@@ -21,7 +21,7 @@ from taichi_silo.theory.bifurcation import band_sizes, first_bifurcation
     ],
 )
 def test_first_bifurcation(void_ratio, pressure, angle, percent, band):
-    (strain, friction), inclination = first_bifurcation(_path(GudehusBauer(), void_ratio, pressure))
+    (strain, friction), inclination = first_bifurcation(homogeneous(GudehusBauer(), void_ratio, pressure))
     assert friction == pytest.approx(angle, abs=0.1)
     assert 100 * (1 - math.exp(-strain)) == pytest.approx(percent, abs=0.02)
     assert inclination == pytest.approx(band, abs=0.5)

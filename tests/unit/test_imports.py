@@ -14,14 +14,19 @@ LAYERS = [
     ["solver"],
     ["scene"],
     ["simulation", "specimen", "sands"],
-    ["element", "biaxial", "folder"],
+    ["element", "folder"],
     ["plots"],
+    ["biaxial"],
     ["observers"],
     ["run"],
     ["cli", "__init__"],
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
-ONLY_IN = {"matplotlib": {"plots", "observers"}, "imageio_ffmpeg": {"observers"}, "meshio": {"observers", "plots"}}
+ONLY_IN = {
+    "matplotlib": {"plots", "observers", "biaxial"},
+    "imageio_ffmpeg": {"observers"},
+    "meshio": {"observers", "plots", "biaxial"},
+}
 
 
 def imports(file):

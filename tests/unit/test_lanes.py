@@ -23,7 +23,10 @@ from taichi_silo.shapes import UniformGimp
 from taichi_silo.tensors import norm, spun
 
 lanes8 = ti.types.vector(8, ti.f64)
+from taichi_silo.laws import Intergranular
+
 law, shape = sand.GudehusBauer(alpha=0.5), UniformGimp(0.5)
+memory = Intergranular(skeleton=law, chi=1.0)
 
 @ti.func
 def formulas(a, b, c, d, e, f, g, h):
@@ -32,21 +35,28 @@ def formulas(a, b, c, d, e, f, g, h):
     held = law.admissible(stress, e)
     turned = spun(held, h)
     base, s, slope = shape.axis(7.0 * e)
-    return rate[0], rate[3], held[0], turned[1], law.stiffness(stress, e), s[1] + slope[1] + base
+    past = (2e-5 * g, 3e-5 * f, 1e-5 * h, 2e-5 * f)
+    kept = memory.remembered(past)
+    reversed_rate = memory.rate(stress, kept, e, D, norm(D))
+    growth_of_memory = memory.memory_rate(kept, D)
+    return (
+        rate[0], rate[3], held[0], turned[1], law.stiffness(stress, e), s[1] + slope[1] + base,
+        reversed_rate[1], growth_of_memory[3], memory.stiffness(stress, e),
+    )
 
 @ti.kernel
 def together(x: ti.types.ndarray(lanes8, 1), y: ti.types.ndarray(lanes8, 1)):
     ti.loop_config(serialize=True)
     for _ in range(1):
         r = formulas(x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7])
-        for k in ti.static(range(6)):
+        for k in ti.static(range(9)):
             y[k] = r[k]
 
 @ti.kernel
 def singly(x: ti.types.ndarray(), y: ti.types.ndarray()):
     for p in range(8):
         r = formulas(x[0, p], x[1, p], x[2, p], x[3, p], x[4, p], x[5, p], x[6, p], x[7, p])
-        for k in ti.static(range(6)):
+        for k in ti.static(range(9)):
             y[k, p] = r[k]
 
 rng = np.random.default_rng(0)
@@ -54,10 +64,10 @@ given = np.concatenate([
     -rng.uniform(2e3, 5e3, (3, 8)), rng.uniform(-500, 500, (1, 8)),
     rng.uniform(0.55, 1.4, (1, 8)), rng.normal(size=(3, 8)),
 ])
-x, y = ti.ndarray(lanes8, 8), ti.ndarray(lanes8, 6)
+x, y = ti.ndarray(lanes8, 8), ti.ndarray(lanes8, 9)
 x.from_numpy(given)
 together(x, y)
-alone = np.zeros((6, 8))
+alone = np.zeros((9, 8))
 singly(given, alone)
 worst = (np.abs(y.to_numpy() - alone).max(axis=1) / np.abs(alone).max(axis=1)).max()
 assert worst < 1e-14, worst

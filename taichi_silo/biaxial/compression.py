@@ -1,17 +1,15 @@
-"""Plane strain compression of a specimen with a weak element: the biaxial test of the paper's section 5."""
+"""The biaxial test itself: a specimen with a weak element, compressed between smooth plates."""
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
-from pydantic import Field, model_validator
 
+from taichi_silo.biaxial.scene import BiaxialScene
 from taichi_silo.faults import RunFailed
 from taichi_silo.laws.stress_point import wave_speed
 from taichi_silo.noise import NoiseControl
-from taichi_silo.scene import Averaging, Machine, Sand, Table, active_kernel
 from taichi_silo.specimen import Specimen
 from taichi_silo.walls import Glide, Pin, PlaneWall
 
@@ -19,68 +17,6 @@ RAMP_PERIODS = 4  # the plate reaches its speed over so many periods of the spec
 ROWS_PER_PERCENT = 40  # rows of the curve in one per cent of shortening
 LONGEST_STEP = 1.5  # over the stable one; beyond, results are wrong before anything explodes
 ROOM = 0.5  # free width on either side, over the specimen's width
-
-
-class BiaxialScene(Table):
-    """A specimen between two smooth plates, in a fluid under pressure; the upper plate goes down."""
-
-    sand: Sand = Sand(void_ratio=0.55)
-    width_m: float = Field(0.04, gt=0)
-    height_m: float = Field(0.14, gt=0)
-    points_across: int = Field(32, ge=4, le=400, description="points along the width")
-    points_per_cell: Literal[1, 4, 9] = 4
-    pressure_Pa: float = Field(50e3, ge=100.0, le=5e6, description="of the fluid around the sides")
-    weak_void_ratio: float = Field(0.91, description="of the weak element at mid-height on the left")
-    weak_size_m: float = Field(0.005, ge=0)
-    weak_height: float = Field(0.55, gt=0, lt=1, description="of its middle, over the specimen's height")
-    averaging: Averaging = Averaging()
-    speed_m_per_s: float = Field(0.05, gt=0, description="of the upper plate")
-    shortening: float = Field(0.05, gt=0, le=0.3, description="at the end, u / height")
-    gravity_m_per_s2: float = Field(9.81, ge=0)
-    noise_control: Literal["column", "none"] = "column"
-    time_step_s: float | None = Field(None, gt=0)
-    machine: Machine = Machine()
-
-    @model_validator(mode="after")
-    def _fits(self):
-        per_axis = math.isqrt(self.points_per_cell)
-        rows = self.height_m / self.spacing_m
-        if self.points_across % (2 * per_axis) or abs(rows - round(rows)) > 1e-6 or round(rows) % per_axis:
-            raise ValueError(
-                f"points across is {self.points_across}; with {self.points_per_cell} points a cell it must be a "
-                f"multiple of {2 * per_axis}, and the cells must divide the height of {1e3 * self.height_m:g} mm"
-            )
-        self.sand.check_at(self.pressure_Pa)
-        self.sand.model_copy(update={"void_ratio": self.weak_void_ratio}).check_at(self.pressure_Pa)
-        return self
-
-    @property
-    def cost(self) -> float:
-        """How long it takes, in a unit of its own."""
-        step = self.time_step_s or 8e-4 * self.cell_size_m
-        steps = self.shortening * self.height_m / self.speed_m_per_s / step
-        reach = (9.0 if self.averaging.weight == "exponential" else 3.0) * self.characteristic_length_m
-        return steps * self.points_across**2 * (1.0 + 0.015 * (reach / self.spacing_m) ** 2)
-
-    @property
-    def spacing_m(self) -> float:
-        """Of the points."""
-        return self.width_m / self.points_across
-
-    @property
-    def cell_size_m(self) -> float:
-        """Of the grid."""
-        return self.spacing_m * math.isqrt(self.points_per_cell)
-
-    @property
-    def characteristic_length_m(self) -> float:
-        """l_c: as given, or three mean grain diameters."""
-        given = self.averaging.characteristic_length_m
-        return 3.0 * self.sand.d50_m if given is None else given
-
-    def averaging_kernel(self):
-        """Weight of the non-local average or None, and a sentence about it."""
-        return active_kernel(self.averaging.weight, self.characteristic_length_m, self.spacing_m)
 
 
 @dataclass(frozen=True)
