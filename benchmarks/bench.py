@@ -151,6 +151,37 @@ def phases(simulation: Simulation, dt: float) -> dict[str, float]:
     return {name: seconds_per_step(lambda n, run=run: run(n, dt)) for name, run in alone.all().items()}
 
 
+def averages(points: int) -> list[dict]:
+    """Rows of the non-local average on one thread: a step's means, and building all rows once."""
+    from benchmarks.phases import Neighbours
+    from taichi_silo.averaging import Gaussian, NonLocal
+
+    rows = []
+    for ratio in (1.0, 2.0):  # l_c over the spacing
+        simulation = loaded(points, 1, 1)
+        average = NonLocal(Gaussian(ratio * simulation.spacing), simulation.particles, simulation.spacing)
+        average.refresh()
+        count = simulation.scene.points
+        neighbours = average.pairs / count
+        alone = Neighbours(average)
+        for phase, seconds in (
+            (f"average of {neighbours:.0f}", seconds_per_step(alone.means)),
+            (f"rows of {neighbours:.0f} anew", seconds_per_step(lambda n, a=average: [a.build() for _ in range(n)])),
+        ):
+            rows.append(
+                {
+                    "points": count, "points_per_cell": 1, "threads": 1, "precision": "f64", "phase": phase,
+                    "nanoseconds_per_particle_step": round(1e9 * seconds / count, 2),
+                    "particle_steps_per_second": round(count / seconds), "yardstick_ratio": "",
+                }
+            )  # fmt: skip
+            print(
+                f"{count:7d} points, 1 thread  {phase:22s} {1e9 * seconds / count:8.1f} ns a point, "
+                f"{1e9 * seconds / count / neighbours:6.2f} ns a neighbour", flush=True,
+            )  # fmt: skip
+    return rows
+
+
 def main() -> None:
     """Measure, print, write."""
     yardstick = Yardstick.find()
@@ -168,6 +199,7 @@ def main() -> None:
                         + (f"{row['yardstick_ratio']:.2f} of the yardstick" if row["yardstick_ratio"] else ""),
                         flush=True,
                     )
+    rows += averages(16_000)
     folder = Path("outputs") / "bench"
     folder.mkdir(parents=True, exist_ok=True)
     with open(folder / "bench.csv", "w", newline="") as stream:

@@ -69,3 +69,20 @@ class Phases:
                 )
                 self.s.particles.stress[p] = ti.Vector([a, b, c, d])
                 self.sink[None] = void_ratio
+
+
+@ti.data_oriented
+class Neighbours:
+    """The non-local average alone: all means of one step."""
+
+    def __init__(self, average):
+        self.average = average
+        self.found = ti.field(real, shape=average.particles.count)
+
+    @ti.kernel
+    def means(self, steps: ti.i32):
+        """All means, `steps` times, on one thread."""
+        ti.loop_config(serialize=True)
+        for _ in range(steps):
+            for p in range(self.average.particles.count):
+                self.found[p] = self.average.mean(p)
