@@ -115,6 +115,19 @@ def test_a_homogeneous_field_is_the_same_with_and_without_averaging():
     assert ends[0] == pytest.approx(ends[1], abs=0.01)
 
 
+@pytest.mark.parametrize(("control", "holds"), [("column", True), ("none", False)])
+def test_loose_sand_stays_homogeneous_with_noise_control_and_ratchets_without(control, holds, data):
+    runtime.init()
+    scene = SCENE.model_copy(
+        update={"sand": Sand(void_ratio=0.90), "noise_control": control, "shortening": 0.025, "points_across": 24}
+    )
+    *_, last = Biaxial(scene).run()
+    exact = np.genfromtxt(data / "PSC_e0.90_p50.csv", delimiter=",", names=True)
+    wanted = np.interp(last.shortening, exact["eps1_eng"], exact["phi_deg"])
+    assert (abs(last.friction_angle_deg - wanted) < 0.3) == holds
+    assert holds or last.friction_angle_deg < wanted - 2.0
+
+
 def test_peak_and_residual_of_a_made_up_curve():
     strain = np.linspace(0.0, 0.05, 101)
     curve = pd.DataFrame(
