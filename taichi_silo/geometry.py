@@ -1,4 +1,4 @@
-"""What the plane of the grid means: a slice of a long body, or the half-section of a round one.
+"""What the plane of the grid means, a slice of a long body or the half-section of a round one, and what surrounds it.
 
 The contract, a frozen dataclass:
 
@@ -36,3 +36,20 @@ class Axisymmetric:
     def depth(self, x):
         """Radius [m]."""
         return x
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What surrounds the points.
+
+    Parameters
+    ----------
+    geometry : of `taichi_silo.geometry`.
+    ambient_pressure : of a fluid around the body [Pa]; it acts on every free surface, wherever that moves. Reactions
+        of walls are those beyond it. Only the stress in excess of it is put on the nodes: the divergence of a uniform
+        pressure is zero, so a free surface needs no search for its normal.
+
+    """
+
+    geometry: PlaneStrain | Axisymmetric = PlaneStrain()
+    ambient_pressure: float = 0.0

@@ -1,6 +1,5 @@
 """The explicit step, in the order of the paper's section 3, and the loops over points and nodes."""
 
-from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,7 +8,7 @@ import taichi as ti
 from taichi_silo import runtime
 from taichi_silo.averaging import Local
 from taichi_silo.faults import RunFailed
-from taichi_silo.geometry import Axisymmetric, PlaneStrain
+from taichi_silo.geometry import Setting
 from taichi_silo.grid import Grid
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
@@ -29,23 +28,6 @@ class Step:
     gravity: real  # [m/s2]
     plate_velocity: real  # of the moving plates [m/s]
     filling_drag: real  # [1/s]
-
-
-@dataclass(frozen=True)
-class Setting:
-    """What surrounds the points.
-
-    Parameters
-    ----------
-    geometry : of `taichi_silo.geometry`.
-    ambient_pressure : of a fluid around the body [Pa]; it acts on every free surface, wherever that moves. Reactions
-        of walls are those beyond it. Only the stress in excess of it is put on the nodes: the divergence of a uniform
-        pressure is zero, so a free surface needs no search for its normal.
-
-    """
-
-    geometry: PlaneStrain | Axisymmetric = PlaneStrain()
-    ambient_pressure: float = 0.0
 
 
 @ti.data_oriented

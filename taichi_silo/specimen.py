@@ -1,7 +1,7 @@
 """A body of sand between two plates, under the pressure of a fluid: what element tests and the biaxial test load.
 
 The grid's height follows the upper plate, so that both plates always lie on nodes; the fluid's pressure acts on every
-free surface, wherever that moves (see `solver.Setting`).
+free surface, wherever that moves (see `geometry.Setting`).
 """
 
 import math
@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.averaging import NonLocal
-from taichi_silo.geometry import Axisymmetric, PlaneStrain
+from taichi_silo.geometry import Axisymmetric, PlaneStrain, Setting
 from taichi_silo.grid import Grid
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
 from taichi_silo.runtime import threads
 from taichi_silo.shapes import SHAPES
-from taichi_silo.solver import Setting, Solver
+from taichi_silo.solver import Solver
 
 STEP_SAFETY = 0.9  # of the stable step, which changes within an interval
 

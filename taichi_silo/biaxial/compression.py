@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.biaxial.scene import BiaxialScene
+from taichi_silo.element import start_strain
 from taichi_silo.faults import RunFailed
 from taichi_silo.laws.stress_point import wave_speed
 from taichi_silo.noise import NoiseControl
@@ -52,7 +53,6 @@ class Biaxial:
         self.period = 4.0 * scene.height_m / speed
         control = NoiseControl.for_specimen(self.period, h / speed) if scene.noise_control == "column" else None
         left = ROOM * scene.width_m - math.fmod(ROOM * scene.width_m, h)
-        part = -law.radius / math.sqrt(3.0) if law.REMEMBERS else 0.0
 
         def walls(grid):
             bottom = grid.node_along(0.0)
@@ -67,7 +67,7 @@ class Biaxial:
             law, e, width_m=scene.width_m, height_m=scene.height_m, cell_size_m=h, per_axis=per_axis,
             walls=walls, stress=stress,
             ambient_pressure=p, left_m=left, gravity=scene.gravity_m_per_s2, kernel=kernel,
-            control=control, time_step_s=scene.time_step_s, h=(part, part, part, 0.0),
+            control=control, time_step_s=scene.time_step_s, h=start_strain(law),
         )  # fmt: skip
         self.left, self.initial_void_ratio = left, e
 
