@@ -47,9 +47,14 @@ def element_test(
     place = Path("outputs") / f"element_{test}_{sand_name(scene)}_e{void_ratio:.2f}"
     folder = claim(output if output else free_name(place), overwrite)
     begun = time.time()
-    curve = pd.DataFrame(curve_of(scene), columns=COLUMNS)
-    curve.to_csv(folder / "curve.csv", index=False, float_format="%.9g")
-    write_tables(folder, scene.model_dump(exclude_none=True), {"wall_seconds": round(time.time() - begun, 3)})
+    rows = []
+    try:
+        for row in curve_of(scene):
+            rows.append(row)
+    finally:  # a test that fails keeps what it has reached
+        curve = pd.DataFrame(rows, columns=COLUMNS)
+        curve.to_csv(folder / "curve.csv", index=False, float_format="%.9g")
+        write_tables(folder, scene.model_dump(exclude_none=True), {"wall_seconds": round(time.time() - begun, 3)})
     title = f"{test.replace('-', ' ')}, {sand_name(scene)}, $e_0$ = {void_ratio:.2f}, {scene.pressure_Pa / 1e3:g} kPa"
     with rc_context(STYLE):
         (folder / "figures").mkdir(exist_ok=True)

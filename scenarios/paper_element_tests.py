@@ -17,11 +17,11 @@ from typer import Option
 
 from taichi_silo import cli, runtime, sands
 from taichi_silo.element import COLUMNS, ElementScene, curve_of
+from taichi_silo.faults import BadInput
 from taichi_silo.plots.element import paper_figure, wall_angle_deg
 from taichi_silo.plots.style import STYLE
 from taichi_silo.scene import cores
 
-VOID_RATIOS = (0.60, 0.75, 0.90)
 # test -> pressures [Pa], strain at the end
 FIGURES = {
     "triaxial": ((500e3, 50e3), 0.36),
@@ -43,17 +43,26 @@ TITLES = {
 
 def paper_element_tests(
     sand: cli.SandFlag = "karlsruhe",
+    void_ratios: Annotated[str, Option(help="initial void ratios [-], separated by commas")] = "0.60,0.75,0.90",
     output: Annotated[Path, Option(help="folder; one CSV a curve, figures and a table")] = Path(
         "outputs/element_tests"
     ),
 ):
     """Run all element tests of the paper and draw its figures 1 and 2."""
+    try:
+        wanted = [float(word) for word in void_ratios.split(",")]
+    except ValueError as error:
+        raise BadInput(f"void ratios are {void_ratios}; they must be numbers separated by commas") from error
+    for e in wanted:  # refused before anything is written
+        for test, (pressures, _) in FIGURES.items():
+            for p in pressures:
+                ElementScene(test=test, sand=sands.sand(sand, e), pressure_Pa=p, strain=FIGURES[test][1])
     (output / "curves").mkdir(parents=True, exist_ok=True)
     (output / "figures").mkdir(exist_ok=True)
     cases = [
         (test, e, p, through)
         for test, (pressures, _) in FIGURES.items()
-        for e in VOID_RATIOS
+        for e in wanted
         for p in pressures
         for through in ("point", "mpm")
     ]
@@ -64,7 +73,7 @@ def paper_element_tests(
         curve.to_csv(output / "curves" / name, index=False, float_format="%.9g")
     with rc_context(STYLE):
         for test in FIGURES:
-            draw(test, curves).savefig(output / "figures" / f"{test}.png")
+            draw(test, curves, sand).savefig(output / "figures" / f"{test}.png")
     table = pd.DataFrame([row(case, curves) for case in cases if case[3] == "point"])
     table.to_csv(output / "table.csv", index=False, float_format="%.4g")
     print(table.to_string(index=False, float_format=lambda value: f"{value:.4g}"))
@@ -82,7 +91,7 @@ def compute(case: tuple, sand: str) -> pd.DataFrame:
     return pd.DataFrame(curve_of(scene), columns=COLUMNS)
 
 
-def draw(test: str, curves: dict):
+def draw(test: str, curves: dict, sand: str):
     """Friction by principal stresses, on the plate where there is one, and void ratio."""
     ours = {
         (e, p, through): curve.assign(strain=curve.strain.abs())
@@ -90,10 +99,11 @@ def draw(test: str, curves: dict):
         if name == test
     }
     rows = [(lambda c: c.friction_angle_deg, "friction angle\nby principal stresses (deg)")]
-    references = [(0, 30.0, "30 deg")]
+    ours_too = sand == "karlsruhe"  # the paper's sand; the lines are its critical angles
+    references = [(0, 30.0, "30 deg")] if ours_too else []
     if test.startswith("simple"):
         rows.append((wall_angle_deg, r"atan $\sigma_{12}/\sigma_{22}$ (deg)"))
-        references.append((1, 29.431, "29.4 deg, exact"))
+        references += [(1, 29.431, "29.4 deg, exact")] if ours_too else []
     if test == "oedometer":
         rows = [(lambda c: 1e-3 * c.sigma_11_Pa, "vertical stress (kPa)")]
         references = []
@@ -103,7 +113,8 @@ def draw(test: str, curves: dict):
         rows.append((lambda c: 1e-3 * c.sigma_22_Pa, "normal stress (kPa)"))
     sheared = test.startswith("simple")
     label = "shear strain (%)" if sheared else "axial logarithmic strain (%)"
-    return paper_figure(ours, rows, label, TITLES[test], tuple(references))
+    title = TITLES[test] if ours_too else f"{TITLES[test].split(' (')[0]}, {sand}"
+    return paper_figure(ours, rows, label, title, tuple(references))
 
 
 def row(case: tuple, curves: dict) -> dict:
@@ -126,6 +137,7 @@ def row(case: tuple, curves: dict) -> dict:
         "test": test, "e0": e, "pressure_kPa": p / 1e3, "phi_peak_deg": exact.friction_angle_deg[best],
         "at_strain_percent": 100 * strain[best] if best < len(exact) - 1 else np.nan,
         "phi_end_deg": exact.friction_angle_deg.iloc[-1], "e_end": exact.void_ratio.iloc[-1],
+        "strain_end_percent": 100 * strain.iloc[-1],
     }  # fmt: skip
     if test.startswith("simple"):
         angle = wall_angle_deg(exact)

@@ -31,14 +31,17 @@ from taichi_silo.scene import Averaging, Machine, cores
 
 
 def plane_strain_compression(
-    void_ratio: Annotated[float, Option(help="initial void ratio [-]")] = 0.55,
+    void_ratio: Annotated[float, Option(help="initial void ratio [-], between e_d and e_i at the pressure")] = 0.55,
     pressure: Annotated[float, Option(help="of the fluid around the sides [Pa]")] = 50e3,
     sand: cli.SandFlag = "karlsruhe",
     law: cli.LawFlag = "gudehus-bauer",
-    points_across: Annotated[int, Option(help="points along the width of 40 mm: 16, 24, 32, 48, ...")] = 32,
+    points_across: Annotated[
+        int, Option(help="points along the width of 40 mm: a multiple of 4 (2 and 6 with 1 and 9 points a cell)")
+    ] = 32,
     points_per_cell: Annotated[int, Option(help="1, 4 or 9; with 1 the band tears open from 3 % on")] = 4,
     characteristic_length: cli.LengthFlag = None,
     weight: cli.WeightFlag = "gaussian",
+    weak_void_ratio: Annotated[float, Option(help="of the weak element on the left side [-]")] = 0.91,
     weak_height: Annotated[float, Option(help="of the weak element, over the height; the paper has 0.5")] = 0.55,
     speed: Annotated[float, Option(help="of the upper plate [m/s]")] = 0.05,
     shortening: Annotated[float, Option(help="at the end, u / height [-]")] = 0.05,
@@ -52,11 +55,14 @@ def plane_strain_compression(
     """Compress a specimen; leaves curve.csv, points.vtu, summary.json, run.toml and figures."""
     scene = BiaxialScene(
         sand=sands.sand(sand, void_ratio, law=law), pressure_Pa=pressure, points_across=points_across,
-        points_per_cell=points_per_cell, weak_height=weak_height, speed_m_per_s=speed, shortening=shortening,
+        points_per_cell=points_per_cell, weak_void_ratio=weak_void_ratio,
+        weak_height=weak_height, speed_m_per_s=speed, shortening=shortening,
         averaging=Averaging(characteristic_length_m=characteristic_length, weight=weight),
         noise_control=noise_control, time_step_s=time_step, machine=Machine(threads=threads),
     )  # fmt: skip
     if study is not None:
+        if scene.model_copy(update={"machine": Machine()}) != BiaxialScene(machine=Machine()):
+            raise BadInput("--study runs fixed cases; of the other flags only --output can be given with it")
         names = list(STUDIES) if study == "all" else [study]
         return run_studies(names, scene, (output or Path("outputs/biaxial")).expanduser())
     folder = output if output else free_name(Path("outputs") / f"plane_strain_compression_e{void_ratio:.2f}")

@@ -17,7 +17,9 @@ from taichi_silo.faults import RunFailed
 from taichi_silo.particles import Particles
 from taichi_silo.runtime import real
 
-TOLERANCE = 0.02  # of l_c: once a point has moved so far, all rows are built anew
+TOLERANCE = 0.02  # of l_c: no point should move so far on the same rows; from half of it on they are built anew
+MOST_STEPS = 500  # between two looks at how far points have moved
+MOST_PAIRS = 500_000_000  # 6 GB
 INACTIVE_FROM = 0.99  # share of a point's own weight from which averaging changes nothing
 MOST_BINS = 4_000_000
 ROOM = 1.6  # of the pairs that a regular lattice would have
@@ -70,9 +72,14 @@ def self_weight(kernel: Gaussian | Exponential, spacing_m: float) -> float:
     return float(1.0 / np.exp(-(ratio**2 if isinstance(kernel, Gaussian) else ratio)).sum())
 
 
+def most_pairs(kernel: Gaussian | Exponential, spacing_m: float, count: int) -> int:
+    """Room for the pairs of so many points on a lattice, with some to spare (Python scope)."""
+    return int(min(count**2, count * (ROOM * math.pi * (kernel.CUT * kernel.length_m / spacing_m) ** 2 + 12)))
+
+
 @ti.data_oriented
 class NonLocal:
-    """Rows of weights over the neighbours of each point, kept until a point has moved 0.02 l_c.
+    """Rows of weights over the neighbours of each point, kept until a point has moved 0.01 to 0.02 l_c.
 
     Points are sorted into square bins as wide as the radius of influence, so a row is looked for in nine bins: cost
     and memory grow with the number of pairs, 12 bytes each.
@@ -105,9 +112,9 @@ class NonLocal:
         self.kernel, self.particles = kernel, particles
         self.radius = kernel.CUT * kernel.length_m
         self.allowed = tolerance * kernel.length_m
-        self.builds = 0
+        self.builds, self.loads = 0, -1
         count = particles.count
-        self.pairs_most = int(count * (ROOM * math.pi * (self.radius / spacing_m) ** 2 + 12))
+        self.pairs_most = most_pairs(kernel, spacing_m, count)
         self.start = ti.field(ti.i32, shape=count + 1)
         self.neighbour = ti.field(ti.i32, shape=self.pairs_most)
         self.share = ti.field(real, shape=self.pairs_most)
@@ -129,12 +136,12 @@ class NonLocal:
         return total
 
     def steps_within(self, speed_m_per_s: float, dt: float) -> int:
-        """How many steps no point can have used up half of the allowed displacement in."""
-        return max(1, int(0.5 * self.allowed / (speed_m_per_s * dt + 1e-300))) if speed_m_per_s > 0.0 else 1_000_000
+        """How many steps it takes at this speed to use up half of the allowed displacement; at most MOST_STEPS."""
+        return int(min(MOST_STEPS, max(1.0, 0.5 * self.allowed / (speed_m_per_s * dt + 1e-300))))
 
     def refresh(self) -> None:
         """Build the rows anew if there are none, or a point has used up half of the allowed displacement."""
-        if self.builds == 0 or self._moved() > 0.5 * self.allowed:
+        if self.loads != self.particles.loads or self._moved() > 0.5 * self.allowed:
             self.build()
 
     def build(self) -> None:
@@ -151,7 +158,7 @@ class NonLocal:
             return  # the guard will stop the run
         low = place.min(axis=0)
         extent = np.ptp(place, axis=0) + self.radius
-        width = max(self.radius, math.sqrt(float(extent.prod()) / MOST_BINS))
+        width = max(self.radius, math.sqrt(float(extent.prod()) / MOST_BINS), float(extent.max()) / MOST_BINS)
         bins = np.floor((place - low) / width).astype(np.int64)
         across = int(bins[:, 0].max()) + 1
         number = bins[:, 1] * across + bins[:, 0]
@@ -169,6 +176,7 @@ class NonLocal:
         self.start.from_numpy(start.astype(np.int32))
         self._fill(order, first, bins.astype(np.int32), across, rows)
         self.builds += 1
+        self.loads = self.particles.loads
 
     @ti.kernel
     def _moved(self) -> real:

@@ -60,10 +60,12 @@ def command(function: Callable) -> None:
 def _bad_flag(error: typer.BadParameter) -> str:
     flag = error.param.opts[0] if error.param is not None else "a flag"
     if not flag.startswith("-"):  # an argument: the message names its value
-        return f"{flag}: {error.message.removeprefix('Value error, ').rstrip('.')}"
+        message = error.message.removeprefix("Value error, ").rstrip(".")
+        return f"{flag}: {message or 'not given; see --help'}"
     words = " ".join(sys.argv).replace(f"{flag}=", f"{flag} ").split()
     given = words[words.index(flag) + 1] if flag in words[:-1] else "not given"
-    return f"{flag} is {given}; {error.message[:1].lower()}{error.message[1:].rstrip('.')}"
+    message = error.message.removeprefix("Value error, ")
+    return f"{flag} is {given}; {message[:1].lower()}{message[1:].rstrip('.')}"
 
 
 def _stop(sentence: str, code: int) -> None:

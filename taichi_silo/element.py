@@ -99,8 +99,8 @@ class ElementScene(Table):
         return self
 
 
-def curve_of(scene: ElementScene) -> list[tuple]:
-    """All rows of curve.csv (see COLUMNS); Taichi has been started.
+def curve_of(scene: ElementScene) -> Iterator[tuple]:
+    """The rows of curve.csv (see COLUMNS); Taichi has been started.
 
     Raises
     ------
@@ -111,9 +111,9 @@ def curve_of(scene: ElementScene) -> list[tuple]:
     through = through_point if scene.through == "point" else through_method
     law = scene.sand.constitutive_law()
     try:
-        return list(
-            through(TESTS[scene.test], law, scene.sand.void_ratio, scene.pressure_Pa, scene.strain)
-        )  # fmt: skip
+        yield from through(TESTS[scene.test], law, scene.sand.void_ratio, scene.pressure_Pa, scene.strain)
+    except RunFailed:
+        raise
     except RuntimeError as error:
         raise RunFailed(f"in the test {scene.test}: {error}") from error
 
@@ -209,4 +209,9 @@ def through_method(test: ElementTest, law, void_ratio: float, pressure_Pa: float
             mean = (aim - reading.height_m if number > 1 else aim - height) / duration
             reading = piece.drive(duration, 2.0 * mean - piece.speed)
             strain = abs(math.log(reading.height_m / height))
+        if reading.strays or not np.isfinite(reading.stress_Pa).all():
+            raise RunFailed(
+                f"at a strain of {strain:.4f} of the test {test.name}: {reading.strays} points left the grid or are "
+                "not finite"
+            )
         yield row(test, strain, reading.stress_Pa, reading.void_ratio)

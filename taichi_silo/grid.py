@@ -45,6 +45,8 @@ class Grid:
     ):  # fmt: skip
         if follows not in self.FOLLOWS:
             raise ValueError(f"follows is {follows!r}; it must be one of {', '.join(self.FOLLOWS)}")
+        if follows == "surface" and not periodic:
+            raise ValueError("a grid that follows the surface must be periodic: its first column must hold sand")
         self.cell_size, self.height = cell_size_m, height_m
         self.follows, self.periodic = follows, periodic
         self.columns = round(width_m / cell_size_m) + (0 if periodic else 1 + 2 * MARGIN)

@@ -29,7 +29,7 @@ class Particles:
     NAMES = ("position", "velocity", "stress", "mass", "volume", "path")
 
     def __init__(self, count: int, remembers: bool = False):
-        self.count = count
+        self.count, self.loads = count, 0
         self.names = self.NAMES + (("intergranular",) if remembers else ())
         self.position = ti.Vector.field(2, real)
         self.velocity = ti.Vector.field(2, real)
@@ -48,5 +48,6 @@ class Particles:
 
     def load(self, arrays: dict[str, np.ndarray]) -> None:
         """Set all fields from arrays of the same shapes."""
+        self.loads += 1
         for name in self.names:
             getattr(self, name).from_numpy(np.ascontiguousarray(arrays[name], dtype=np.float64))

@@ -32,7 +32,9 @@ def sand(name_or_file: str, void_ratio: float, **more) -> Sand:
     if key in known:
         constants = {k: v for k, v in known[key].items() if k not in NOTES}
         return _checked({"name": key, **constants}, void_ratio, more)
-    file = Path(name_or_file).expanduser()
+    file = Path(name_or_file)
+    if str(name_or_file).startswith("~/"):
+        file = file.expanduser()
     if file.suffix.lower() != ".toml":
         near = difflib.get_close_matches(key, known, 1)
         hint = f"; did you mean {near[0]}?" if near else ""

@@ -10,7 +10,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from taichi_silo.averaging import INACTIVE_FROM, WEIGHTS, self_weight
+from taichi_silo.averaging import INACTIVE_FROM, MOST_PAIRS, WEIGHTS, most_pairs, self_weight
 from taichi_silo.laws import GudehusBauer, Intergranular
 
 LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of loose sand applies
@@ -57,11 +57,11 @@ class Sand(Table):
     name: str = "karlsruhe"
     law: Literal["gudehus-bauer", "intergranular"] = "gudehus-bauer"
     void_ratio: float = 0.60
-    critical_friction_angle_deg: float = Field(30.0, gt=0, lt=90)
+    critical_friction_angle_deg: float = Field(30.0, ge=5, lt=90)
     granular_hardness_Pa: float = Field(190e6, gt=0)
     n: float = Field(0.5, gt=0, lt=1)
-    alpha: float = Field(0.3, gt=0)
-    beta: float = Field(1.0, gt=0)
+    alpha: float = Field(0.3, gt=0, le=5)
+    beta: float = Field(1.0, gt=0, le=20)
     e_i0: float = Field(1.30, gt=0)
     e_c0: float = Field(0.82, gt=0)
     e_d0: float = Field(0.51, gt=0)
@@ -91,12 +91,12 @@ class Sand(Table):
             return self.skeleton()
         return Intergranular(skeleton=self.skeleton(), **self.intergranular.model_dump())
 
-    def check_at(self, pressure_Pa: float) -> None:
+    def check_at(self, pressure_Pa: float, name: str = "void ratio") -> None:
         """Refuse a void ratio that this sand cannot have at an isotropic pressure."""
         e_d, _, e_i = self.skeleton().void_ratio_limits(pressure_Pa)
         if not e_d < self.void_ratio < e_i:
             raise ValueError(
-                f"void ratio is {self.void_ratio}; at {pressure_Pa:g} Pa it must lie between "
+                f"{name} is {self.void_ratio}; at {pressure_Pa:g} Pa it must lie between "
                 f"e_d = {e_d:.4f} and e_i = {e_i:.4f}"
             )
 
@@ -204,6 +204,9 @@ class Scene(Table):
                 )
         if self.points > MOST_POINTS:
             raise ValueError(f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed")
+        check_length(
+            self.averaging.weight, self.characteristic_length_m, self.spacing_m, self.points, self.silo.width_m
+        )
         if self.flow.displacement_m > self.silo.height_m:
             raise ValueError(
                 f"displacement is {self.flow.displacement_m} m; it must be at most the height of {self.silo.height_m} m"
@@ -254,6 +257,19 @@ class Scene(Table):
         return self.density_kg_per_m3 * self.method.gravity_m_per_s2 * self.silo.width_m * self.silo.height_m
 
 
+def check_length(weight: str, length_m: float, spacing_m: float, points: int, width_m: float) -> None:
+    """Refuse a characteristic length beyond the body, or with more neighbours than memory holds."""
+    if length_m > width_m:
+        raise ValueError(
+            f"characteristic length is {length_m:g} m; it must be between 0 and the width of {width_m:g} m"
+        )
+    if length_m > 0.0 and most_pairs(WEIGHTS[weight](length_m), spacing_m, points) > MOST_PAIRS:
+        raise ValueError(
+            f"characteristic length is {length_m:g} m; with {points} points {1e3 * spacing_m:g} mm apart that makes "
+            f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one or larger cells"
+        )
+
+
 def active_kernel(weight: str, length_m: float, spacing_m: float):
     """Weight of the non-local average, None where it would change nothing, and a sentence about it."""
     if length_m == 0.0:
@@ -279,6 +295,7 @@ def one_sentence(error: ValidationError) -> str:
     if first["type"] == "value_error":
         return message
     name = str(first["loc"][-1]) if first["loc"] else "scene"
+    name = {"kind": "walls"}.get(name, name)
     limits = first.get("ctx", {})
     words = {"gt": "be above", "ge": "be at least", "lt": "be below", "le": "be at most"}
     rules = [f"{words[key]} {limits[key]}" for key in words if key in limits]

@@ -94,7 +94,7 @@ class Solver:
         `gravity` and `plate_velocity` are pairs, at the beginning and the end, and vary linearly between.
         """
         schedule = (*map(float, gravity), *map(float, plate_velocity), filling_drag)
-        if not self.averaging.ACTIVE:
+        if steps == 0 or not self.averaging.ACTIVE:
             self._advance(0, steps, steps, dt, *schedule)
             return
         done = 0

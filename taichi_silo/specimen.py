@@ -26,7 +26,7 @@ class Reading:
     """State at the end of an interval; means are weighted with the points' volumes, compression positive."""
 
     time_s: float
-    travel_m: float  # of the upper plate, downwards (or along itself in shear)
+    travel_m: float  # of the upper plate, upwards (or along itself in shear)
     height_m: float  # distance of the plates
     stress_Pa: np.ndarray  # mean (xx, yy, zz, xy), tension positive
     void_ratio: float

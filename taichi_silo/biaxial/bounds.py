@@ -12,7 +12,7 @@ from taichi_silo.theory.bifurcation import first_bifurcation
 
 def bounds(void_ratio: float, pressure_Pa: float, scene: BiaxialScene) -> dict:
     """What the law alone gives: homogeneous peak and dilatancy there, first bifurcation, and Roscoe's angle."""
-    law = scene.sand.model_copy(update={"void_ratio": void_ratio}).constitutive_law()
+    law = scene.sand.model_copy(update={"void_ratio": void_ratio}).skeleton()
     test = TESTS["plane-strain"]
     rows = np.array(list(through_point(test, law, void_ratio, pressure_Pa, 0.1)))
     peak = int(np.argmax(rows[:, 6]))

@@ -98,6 +98,11 @@ class Biaxial:
     def _row(self, reading) -> BiaxialRow:
         scene = self.scene
         axial = scene.pressure_Pa + reading.plate_force_N[1] * -1.0 / self.top_width()
+        if not axial > 0.0:
+            raise RunFailed(
+                f"at u / h = {-reading.travel_m / scene.height_m:.4f} the plate pulls the specimen ({axial:.0f} Pa); "
+                "oscillations are the likely cause (is there a noise control, is the time step short enough?)"
+            )
         low, high = sorted((axial, scene.pressure_Pa))
         return BiaxialRow(
             shortening=-reading.travel_m / scene.height_m,

@@ -105,7 +105,7 @@ def _write(folder: Path, test: Biaxial, rows: list, seconds: float, failure, fin
         },
     )  # fmt: skip
     mesh.write(folder / "points.vtu", file_format="vtu")
-    band = band_of(points, scene) if np.isfinite(points["stress"]).all() else None
+    band = band_of(points, scene) if failure is None and np.isfinite(points["stress"]).all() else None
     steps = test.specimen.steps
     summary = {
         **({} if finished else {"unfinished": True}),
@@ -148,8 +148,10 @@ def angles(curve: pd.DataFrame) -> dict:
 
 
 def _plain(band: Band) -> dict:
+    if not band.found:
+        return {"found": False}
     plain = {
-        "found": band.found, "inclination_deg": band.inclination_deg,
+        "found": True, "inclination_deg": band.inclination_deg,
         "inclination_error_deg": band.inclination_error_deg,
     }  # fmt: skip
     for name in ("thickness_m", "loose_thickness_m", "strain"):

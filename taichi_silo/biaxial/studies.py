@@ -152,7 +152,10 @@ def table_of(name: str, root: Path, base: BiaxialScene | None = None) -> pd.Data
         }  # fmt: skip
         row |= _bounds(scene.sand.void_ratio, scene.pressure_Pa)
         if summary.get("peak_is_last"):
-            row["peak_at_percent"] = None  # the angle still rises at the end: no peak
+            row["phi_peak_deg"] = row["peak_at_percent"] = None  # the angle still rises at the end: no peak
+        thickness = row["t_s_mm"]
+        if thickness is not None and not 0.0 < thickness < 1e3 * scene.width_m:  # not dilated to 0.70, or all of it
+            row |= dict.fromkeys(("t_s_mm", "t_s_lower_mm", "t_s_upper_mm", "t_s_over_l_c"))
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -162,7 +165,9 @@ def _bounds(void_ratio: float, pressure_Pa: float) -> dict:
     """What the law alone says, in the table's units."""
     found = bounds(void_ratio, pressure_Pa, BiaxialScene())
     return {
-        "homogeneous_peak_deg": found["homogeneous_peak_deg"],
+        "homogeneous_peak_deg": found["homogeneous_peak_deg"]
+        if "roscoe_deg" in found
+        else None,  # none: it still rises
         "bifurcation_deg": found.get("bifurcation_deg"),
         "bifurcation_at_percent": 100.0 * found.get("bifurcation_at", math.nan),
         "bifurcation_band_deg": found.get("bifurcation_band_deg"),

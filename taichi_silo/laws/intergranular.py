@@ -109,6 +109,10 @@ class Intergranular:
 
     @ti.func
     def stiffness(self, stress, void_ratio):
-        """Upper bound of the modulus of a plane wave [Pa]: on reversal m_R times that of L."""
+        """Upper bound of the modulus of a plane wave [Pa]: on reversal m_R times that of L.
+
+        The terms along h raise it, by up to 1.07 for the usual constants and 1.19 for m_R = m_T = 1.5: found
+        numerically.
+        """
         linear, nonlinear = self.skeleton.moduli(stress, void_ratio)
-        return ti.max(self.m_R * linear, linear + nonlinear)
+        return ti.max(1.2 * self.m_R * linear, linear + nonlinear)

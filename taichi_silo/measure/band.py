@@ -84,7 +84,7 @@ def shear_band(position, shear_strain, void_ratio, spacing_m: float, loose_from:
     middle, along = _strongest_line(position, excess, spacing_m)
     across = np.array([-along[1], along[0]])
     place = (position - middle) @ along
-    near = np.abs((position - middle) @ across) < 2.0 * spacing_m
+    near = np.abs((position - middle) @ across) < 3.0 * spacing_m
     low, high = place[near].min(), place[near].max()
     cut = ENDS * (high - low)
     line = middle + np.linspace(low + cut, high - cut, STATIONS)[:, None] * along
@@ -98,6 +98,8 @@ def shear_band(position, shear_strain, void_ratio, spacing_m: float, loose_from:
     middles, width, loose, peak = [], [], [], []
     for k in range(STATIONS):
         top = int(np.argmax(profile[k]))
+        if not profile[k, top] > 0.0:  # no strain here: the station says nothing
+            continue
         left, right = _part(profile[k] >= 0.5 * profile[k, top], top)
         weights = profile[k, left : right + 1]
         middles.append(line[k] + across * np.average(offset[left : right + 1], weights=weights))
@@ -107,6 +109,8 @@ def shear_band(position, shear_strain, void_ratio, spacing_m: float, loose_from:
         first, last = _part(density[k] >= loose_from, dense_top)
         loose.append((last - first + 1) * step if some else 0.0)
         peak.append(profile[k, top])
+    if len(middles) < STATIONS // 2:
+        return none
     middles = np.array(middles)
     angle, error = _inclination(middles, along, across, high - low - 2.0 * cut, spacing_m)
     return Band(True, Spread.of(width), Spread.of(loose), angle, error, Spread.of(peak), line, middles)

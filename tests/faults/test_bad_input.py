@@ -46,6 +46,8 @@ def refuse(folder, *flags, script=SCRIPT):
         (["--sand", "hostun", "--void-ratio", "0.55"], ["void ratio", "0.55", "0.61", "1.09"]),
         (["--law", "elastic"], ["elastic", "gudehus-bauer", "intergranular"]),
         (["--characteristic-length", "-0.001"], ["characteristic_length_m", "-0.001", "at least 0"]),
+        (["--characteristic-length", "1.5"], ["characteristic length", "1.5", "0.2"]),
+        (["--cell-size", "0.0005", "--characteristic-length", "0.05"], ["characteristic length", "0.05", "pairs"]),
         (["--weight", "box"], ["box", "gaussian", "exponential"]),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) and value[0].startswith("--") else "",
@@ -82,6 +84,8 @@ def test_an_impossible_element_test_is_refused(tmp_path, flags, words):
         (["--points-across", "31"], ["points across", "31", "multiple of 4"]),
         (["--void-ratio", "1.28", "--pressure", "500e3"], ["1.28", "e_i"]),
         (["--study", "everything"], ["everything", "all"]),
+        (["--study", "rate", "--pressure", "200e3"], ["--study", "--output"]),
+        (["--sand", "hamburg", "--void-ratio", "0.6"], ["weak void ratio", "0.91", "0.89"]),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) and value[0].startswith("--") else "",
 )

@@ -153,7 +153,7 @@ def test_the_weak_element_is_no_part_of_the_band():
         ({"sand": {"void_ratio": 0.52}, "pressure_Pa": 2e3}, None),
         ({"sand": {"void_ratio": 0.515}, "pressure_Pa": 5e6}, None),
         ({"sand": {"void_ratio": 1.25}, "pressure_Pa": 2e5}, "e_i = "),
-        ({"weak_void_ratio": 1.4}, "void ratio is 1.4"),
+        ({"weak_void_ratio": 1.4}, "weak void ratio is 1.4"),
         ({"points_across": 30}, "multiple of 4"),
         ({"averaging": {"characteristic_length_m": -1e-3}}, "greater than or equal to 0"),
         ({"pressure_Pa": -1.0}, "greater than or equal to 100"),

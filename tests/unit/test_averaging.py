@@ -108,7 +108,7 @@ def test_kept_rows_give_the_answer_of_new_ones_as_long_as_they_are_kept():
     particles = points_at(place)
     average = NonLocal(Gaussian(LENGTH), particles, spacing)
     average.refresh()
-    particles.load(particles.arrays() | {"position": moved})
+    particles.position.from_numpy(moved)
     kept = Means(average)(norm)
     average.build()
     new = Means(average)(norm)
@@ -123,7 +123,7 @@ def test_rows_are_built_anew_once_half_of_the_allowed_displacement_is_used_up():
         particles = points_at(place)
         average = NonLocal(Gaussian(LENGTH), particles, spacing)
         average.refresh()
-        particles.load(particles.arrays() | {"position": moved})
+        particles.position.from_numpy(moved)
         average.refresh()
         assert average.builds == builds
 
@@ -133,7 +133,7 @@ def test_rows_kept_far_too_long_would_be_wrong():
     particles = points_at(place)
     average = NonLocal(Gaussian(LENGTH), particles, spacing)
     average.refresh()
-    particles.load(particles.arrays() | {"position": moved})
+    particles.position.from_numpy(moved)
     kept = Means(average)(norm)
     average.build()
     assert np.abs(kept - Means(average)(norm)).max() > 0.02 * norm.max()
@@ -207,3 +207,19 @@ def test_loops_agree_to_round_off_with_an_average(how):
     other = filled(**how).particles.arrays()
     for name, field in fields.items():
         assert np.abs(field - other[name]).max() <= 1e-9 * np.abs(field).max(), name
+
+
+def test_rows_are_built_anew_when_other_volumes_are_loaded_at_the_same_places():
+    place, volume, norm = scattered(seed=5)
+    particles = points_at(place)
+    average = NonLocal(Gaussian(LENGTH), particles, 0.03 / math.sqrt(600))
+    average.refresh()
+    particles.load(particles.arrays() | {"volume": volume})
+    average.refresh()
+    assert np.abs(Means(average)(norm) - by_definition(Gaussian(LENGTH), place, volume, norm)).max() < 1e-13
+
+
+def test_sand_at_rest_is_looked_at_again_after_some_hundred_steps():
+    average = NonLocal(Gaussian(LENGTH), points_at(scattered()[0]), 0.03 / math.sqrt(600))
+    assert average.steps_within(0.0, 1e-6) <= 500
+    assert average.steps_within(10.0, 1e-5) == 1

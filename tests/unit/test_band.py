@@ -61,3 +61,10 @@ def test_a_band_that_has_not_dilated_to_0_70_has_no_loose_thickness():
     band = shear_band(place, strain, void_ratio - 0.2, SPACING)
     assert band.found
     assert band.loose_thickness_m.median == 0.0
+
+
+def test_stations_without_any_strain_say_nothing_and_a_spot_is_no_band():
+    place, _, void_ratio = specimen(55.0, 7e-3)
+    spot = np.where(np.linalg.norm(place - [0.02, 0.07], axis=1) < 0.008, 0.5, 0.0)
+    band = shear_band(place, spot, void_ratio, SPACING)
+    assert not band.found or len(band.middles) < len(band.stations)
