@@ -44,7 +44,7 @@ def element_test(
         **{name: value for name, value in values.items() if value is not None},
     )  # fmt: skip
     runtime.init()
-    place = Path("outputs") / f"element_{test}_{sand_name(scene)}_e{void_ratio:.2f}"
+    place = Path("outputs") / f"element_{test}_{scene.sand.name}_e{void_ratio:.2f}"
     folder = claim(output if output else free_name(place), overwrite)
     begun = time.time()
     rows = []
@@ -55,7 +55,7 @@ def element_test(
         curve = pd.DataFrame(rows, columns=COLUMNS)
         curve.to_csv(folder / "curve.csv", index=False, float_format="%.9g")
         write_tables(folder, scene.model_dump(exclude_none=True), {"wall_seconds": round(time.time() - begun, 3)})
-    title = f"{test.replace('-', ' ')}, {sand_name(scene)}, $e_0$ = {void_ratio:.2f}, {scene.pressure_Pa / 1e3:g} kPa"
+    title = f"{test.replace('-', ' ')}, {scene.sand.name.capitalize()} sand, $e_0$ = {void_ratio:.2f}, {scene.pressure_Pa / 1e3:g} kPa"
     with rc_context(STYLE):
         (folder / "figures").mkdir(exist_ok=True)
         element_figure(curve, title, TESTS[test].sheared).savefig(folder / "figures" / "curve.png")
@@ -68,11 +68,6 @@ def element_test(
     )
     print(folder / "curve.csv")
     print(folder / "figures" / "curve.png")
-
-
-def sand_name(scene: ElementScene) -> str:
-    """For titles and folders."""
-    return scene.sand.name
 
 
 if __name__ == "__main__":

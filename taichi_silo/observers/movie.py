@@ -70,4 +70,4 @@ def title(scene) -> str:
     walls = "very rough walls"
     if scene.walls.kind == "smooth":
         walls = f"smooth walls ({scene.wall_friction_angle_deg:g}°)"
-    return f"{scene.sand.name} sand, e₀ = {scene.sand.void_ratio:.2f}, {walls}"
+    return f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}, {walls}"
