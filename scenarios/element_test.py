@@ -55,7 +55,8 @@ def element_test(
         curve = pd.DataFrame(rows, columns=COLUMNS)
         curve.to_csv(folder / "curve.csv", index=False, float_format="%.9g")
         write_tables(folder, scene.model_dump(exclude_none=True), {"wall_seconds": round(time.time() - begun, 3)})
-    title = f"{test.replace('-', ' ')}, {scene.sand.name.capitalize()} sand, $e_0$ = {void_ratio:.2f}, {scene.pressure_Pa / 1e3:g} kPa"
+    title = f"{test.replace('-', ' ').capitalize()}: {scene.sand.name.capitalize()} sand, "
+    title += f"$e_0$ = {void_ratio:.2f}, {scene.pressure_Pa / 1e3:g} kPa"
     with rc_context(STYLE):
         (folder / "figures").mkdir(exist_ok=True)
         element_figure(curve, title, TESTS[test].sheared).savefig(folder / "figures" / "curve.png")
