@@ -64,11 +64,12 @@ class Phases:
                 e = self.s.particles.volume[p] * self.s.law.grain_density / self.s.particles.mass[p] - 1.0
                 v = self.s.particles.velocity[p]
                 D = (1e-6 * v[0], 1e-6 * v[1] - 1e-6, 0.0 * v[0], 1e-6 * v[1])
-                a, b, c, d, _, _, _, _, void_ratio = update(
-                    self.s.law, (s[0], s[1], s[2], s[3]), (0.0, 0.0, 0.0, 0.0), e, D, 1e-6 * v[1], norm(D), dt
+                h = 0.0 * s
+                a, b, c, d, h0, h1, h2, h3, void_ratio = update(
+                    self.s.law, (s[0], s[1], s[2], s[3]), (h[0], h[1], h[2], h[3]), e, D, 1e-6 * v[1], norm(D), dt
                 )
                 self.s.particles.stress[p] = ti.Vector([a, b, c, d])
-                self.sink[None] = void_ratio
+                self.sink[None] = void_ratio + h0 + h1 + h2 + h3
 
 
 @ti.data_oriented
