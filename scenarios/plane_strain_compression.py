@@ -12,7 +12,6 @@ deg to the horizontal (Roscoe), and softening towards the 29.9 deg of a specimen
 """
 
 import json
-import os
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
@@ -24,7 +23,7 @@ from typer import Option
 from taichi_silo import cli, runtime, sands
 from taichi_silo.biaxial.run import leave, summary_of
 from taichi_silo.biaxial.scene import BiaxialScene
-from taichi_silo.biaxial.studies import STUDIES, differences, draw_study, table_of
+from taichi_silo.biaxial.studies import STUDIES, cost, differences, draw_study, table_of
 from taichi_silo.faults import BadInput
 from taichi_silo.folder import free_name
 from taichi_silo.scene import Averaging, Machine, cores
@@ -64,7 +63,7 @@ def plane_strain_compression(
         if scene.model_copy(update={"machine": Machine()}) != BiaxialScene(machine=Machine()):
             raise BadInput("--study runs fixed cases; of the other flags only --output can be given with it")
         names = list(STUDIES) if study == "all" else [study]
-        return run_studies(names, scene, (output or Path("outputs/biaxial")).expanduser())
+        return run_studies(names, (output or Path("outputs/biaxial")).expanduser())
     folder = output if output else free_name(Path("outputs") / f"plane_strain_compression_e{void_ratio:.2f}")
     folder = leave(scene, folder, overwrite, say=True)
     print(json.dumps(summary_of(folder), indent=2))
@@ -72,21 +71,21 @@ def plane_strain_compression(
     return None
 
 
-def run_studies(names: list[str], scene: BiaxialScene, folder: Path) -> None:
+def run_studies(names: list[str], folder: Path) -> None:
     """Run the cases of some studies on all cores, then draw and tabulate each."""
     cases = {}
     for name in names:
         for label, changes in STUDIES[name].cases.items():
-            case = STUDIES[name].scene(scene, changes)
+            case = STUDIES[name].scene(changes)
             cases.setdefault(STUDIES[name].folder(folder, label), case)
     begun = time.monotonic()
     # the longest first, so that no core waits for it at the end
-    order = sorted(cases, key=lambda place: -cases[place].cost)
-    whole, done = sum(case.cost for case in cases.values()), 0.0
+    order = sorted(cases, key=lambda place: -cost(cases[place]))
+    whole, done = sum(cost(case) for case in cases.values()), 0.0
     with ProcessPoolExecutor(max(1, min(len(order), cores()))) as workers:
         jobs = {workers.submit(_case, cases[place], place): place for place in order}
         for job in as_completed(jobs):
-            done += cases[jobs[job]].cost
+            done += cost(cases[jobs[job]])
             left = (time.monotonic() - begun) * (whole - done) / done
             print(f"{100 * done / whole:5.1f} %  {job.result():60s} {left / 60:5.1f} min left", flush=True)
     for name in names:
@@ -102,7 +101,6 @@ def run_studies(names: list[str], scene: BiaxialScene, folder: Path) -> None:
 
 
 def _case(scene: BiaxialScene, place: Path) -> str:
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
         leave(scene, place, overwrite=True, keep=True)
     except BadInput as error:

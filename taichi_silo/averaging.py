@@ -3,8 +3,7 @@
     d_bar(x) = sum_q w(|x - x_q|) V_q ||D_q|| / sum_q w(|x - x_q|) V_q
 
 The sum runs over the points that exist, so that a homogeneous field stays as it is next to a wall or a free surface.
-The contract of a weight, a frozen dataclass: `length_m` (l_c), `CUT` (radius of influence over l_c) and
-`weight(distance)`.
+A new weight is a subclass of `Weight`, or has its members, and a name in `WEIGHTS`.
 """
 
 import math
@@ -26,31 +25,29 @@ ROOM = 1.6  # of the pairs that a regular lattice would have
 
 
 @dataclass(frozen=True)
-class Gaussian:
-    """exp(-(r / l_c)^2), cut off at 3 l_c (there 1e-4): what the authors computed with."""
+class Weight:
+    """exp(-(r / l_c)^POWER), cut off at CUT l_c, where it is 1e-4."""
 
     length_m: float
 
+    POWER = 2
     CUT = 3.0
 
     @ti.func
     def weight(self, distance):
         """Of a neighbour, before normalisation."""
-        return ti.exp(-((distance / self.length_m) ** 2))
+        return ti.exp(-((distance / self.length_m) ** self.POWER))
 
 
-@dataclass(frozen=True)
-class Exponential:
-    """exp(-r / l_c), as printed in the paper's equation 2, cut off at 9 l_c (there 1e-4, as the Gaussian)."""
+class Gaussian(Weight):
+    """What the authors computed with."""
 
-    length_m: float
 
+class Exponential(Weight):
+    """exp(-r / l_c), as printed in the paper's equation 2."""
+
+    POWER = 1
     CUT = 9.0
-
-    @ti.func
-    def weight(self, distance):
-        """Of a neighbour, before normalisation."""
-        return ti.exp(-distance / self.length_m)
 
 
 WEIGHTS = {"gaussian": Gaussian, "exponential": Exponential}
@@ -62,17 +59,16 @@ class Local:
     ACTIVE = False
 
 
-def self_weight(kernel: Gaussian | Exponential, spacing_m: float) -> float:
+def self_weight(kernel: Weight, spacing_m: float) -> float:
     """Share of a point's own weight on a square lattice; near 1 the average is local (Python scope)."""
     reach = math.floor(kernel.CUT * kernel.length_m / spacing_m)
     along = np.arange(-reach, reach + 1) * spacing_m
     distance = np.hypot(*np.meshgrid(along, along))
     distance = distance[distance <= kernel.CUT * kernel.length_m]
-    ratio = distance / kernel.length_m
-    return float(1.0 / np.exp(-(ratio**2 if isinstance(kernel, Gaussian) else ratio)).sum())
+    return float(1.0 / np.exp(-((distance / kernel.length_m) ** kernel.POWER)).sum())
 
 
-def most_pairs(kernel: Gaussian | Exponential, spacing_m: float, count: int) -> int:
+def most_pairs(kernel: Weight, spacing_m: float, count: int) -> int:
     """Room for the pairs of so many points on a lattice, with some to spare (Python scope)."""
     return int(min(count**2, count * (ROOM * math.pi * (kernel.CUT * kernel.length_m / spacing_m) ** 2 + 12)))
 
@@ -97,7 +93,7 @@ class NonLocal:
 
     Parameters
     ----------
-    kernel : Gaussian or Exponential.
+    kernel : of `WEIGHTS`, with its length.
     particles : the points.
     spacing_m : of the points at the start.
     tolerance : displacement of a point, over l_c, after which the rows are built anew.

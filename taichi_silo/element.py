@@ -209,9 +209,4 @@ def through_method(test: ElementTest, law, void_ratio: float, pressure_Pa: float
             mean = (aim - reading.height_m if number > 1 else aim - height) / duration
             reading = piece.drive(duration, 2.0 * mean - piece.speed)
             strain = abs(math.log(reading.height_m / height))
-        if reading.strays or not np.isfinite(reading.stress_Pa).all():
-            raise RunFailed(
-                f"at a strain of {strain:.4f} of the test {test.name}: {reading.strays} points left the grid or are "
-                "not finite"
-            )
         yield row(test, strain, reading.stress_Pa, reading.void_ratio)

@@ -74,7 +74,7 @@ def write_parameters(folder: Path, scene: Scene, program: dict) -> None:
     tables = scene.model_dump(exclude_none=True)
     if scene.walls.kind == "smooth":
         tables["walls"]["friction_angle_deg"] = scene.wall_friction_angle_deg
-    tables["averaging"]["characteristic_length_m"] = scene.characteristic_length_m
+    tables["averaging"]["characteristic_length_m"] = scene.averaging.length_m(scene.sand)
     write_tables(folder, tables, program)
 
 

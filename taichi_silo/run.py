@@ -7,8 +7,6 @@ import time
 from pathlib import Path
 
 from taichi_silo import folder as run_folder
-from taichi_silo import runtime
-from taichi_silo.faults import BadInput
 from taichi_silo.observers import Observer
 from taichi_silo.observers.checkpoint import Checkpoint
 from taichi_silo.observers.forces import BALANCE, FORCES, Table
@@ -46,10 +44,7 @@ def run(scene: Scene, folder: Path, *, overwrite: bool = False, film: bool = Tru
         if the run went wrong; the folder then holds everything up to that time.
 
     """
-    try:
-        runtime.init(scene.machine.arch, scene.machine.threads)
-    except runtime.ArchitectureError as error:
-        raise BadInput(str(error)) from error
+    scene.machine.start()
     folder = run_folder.claim(folder, overwrite)
     begun = time.time()
     simulation = Simulation(scene)

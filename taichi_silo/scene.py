@@ -10,7 +10,9 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
+from taichi_silo import runtime
 from taichi_silo.averaging import INACTIVE_FROM, MOST_PAIRS, WEIGHTS, most_pairs, self_weight
+from taichi_silo.faults import BadInput
 from taichi_silo.laws import GudehusBauer, Intergranular
 
 LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of loose sand applies
@@ -156,6 +158,41 @@ class Averaging(Table):
     characteristic_length_m: float | None = Field(None, ge=0, description="l_c; 3 d50 if absent, 0 for a local law")
     weight: Literal["gaussian", "exponential"] = "gaussian"
 
+    def length_m(self, sand: Sand) -> float:
+        """l_c: as given, or three mean grain diameters."""
+        return 3.0 * sand.d50_m if self.characteristic_length_m is None else self.characteristic_length_m
+
+    def check(self, sand: Sand, spacing_m: float, points: int, width_m: float) -> None:
+        """Refuse a characteristic length beyond the body, or with more neighbours than memory holds."""
+        length = self.length_m(sand)
+        if length > width_m:
+            raise ValueError(
+                f"characteristic length is {length:g} m; it must be between 0 and the width of {width_m:g} m"
+            )
+        if length > 0.0 and most_pairs(WEIGHTS[self.weight](length), spacing_m, points) > MOST_PAIRS:
+            raise ValueError(
+                f"characteristic length is {length:g} m; with {points} points {1e3 * spacing_m:g} mm apart that makes "
+                f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one or larger cells"
+            )
+
+    def kernel(self, sand: Sand, spacing_m: float):
+        """Weight of the average, None where it would change nothing, and a sentence about it."""
+        length = self.length_m(sand)
+        if length == 0.0:
+            return None, "The law is local: the characteristic length is 0."
+        kernel = WEIGHTS[self.weight](length)
+        own = self_weight(kernel, spacing_m)
+        apart = (
+            f"with points {1e3 * spacing_m:g} mm apart and a characteristic length of {1e3 * length:g} mm a point's "
+            "own weight is"
+        )
+        if own > INACTIVE_FROM:
+            return None, (
+                f"Non-locality is inactive: {apart} {own:.4f}; points closer than {1e3 * length:g} mm would make it "
+                "work."
+            )
+        return kernel, f"Non-locality is active: {apart} {own:.3f}."
+
 
 class Method(Table):
     """How it is computed."""
@@ -179,6 +216,20 @@ class Machine(Table):
         if value > cores():
             raise ValueError(f"threads is {value}; this machine has 1 to {cores()}")
         return value
+
+    def start(self) -> None:
+        """Start Taichi on it.
+
+        Raises
+        ------
+        BadInput
+            if it cannot be used.
+
+        """
+        try:
+            runtime.init(self.arch, self.threads)
+        except runtime.ArchitectureError as error:
+            raise BadInput(str(error)) from error
 
 
 class Scene(Table):
@@ -204,9 +255,7 @@ class Scene(Table):
                 )
         if self.points > MOST_POINTS:
             raise ValueError(f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed")
-        check_length(
-            self.averaging.weight, self.characteristic_length_m, self.spacing_m, self.points, self.silo.width_m
-        )
+        self.averaging.check(self.sand, self.spacing_m, self.points, self.silo.width_m)
         if self.flow.displacement_m > self.silo.height_m:
             raise ValueError(
                 f"displacement is {self.flow.displacement_m} m; it must be at most the height of {self.silo.height_m} m"
@@ -214,23 +263,9 @@ class Scene(Table):
         return self
 
     @property
-    def characteristic_length_m(self) -> float:
-        """l_c: as given, or three mean grain diameters."""
-        given = self.averaging.characteristic_length_m
-        return 3.0 * self.sand.d50_m if given is None else given
-
-    @property
     def spacing_m(self) -> float:
         """Of the points."""
         return self.grid.cell_size_m / math.isqrt(self.grid.points_per_cell)
-
-    def kernel(self):
-        """Weight of the non-local average, or None where it would change nothing."""
-        return active_kernel(self.averaging.weight, self.characteristic_length_m, self.spacing_m)[0]
-
-    def about_averaging(self) -> str:
-        """In a sentence, whether the average is at work."""
-        return active_kernel(self.averaging.weight, self.characteristic_length_m, self.spacing_m)[1]
 
     @property
     def points(self) -> int:
@@ -255,37 +290,6 @@ class Scene(Table):
     def weight_N_per_m(self) -> float:
         """Weight of the fill."""
         return self.density_kg_per_m3 * self.method.gravity_m_per_s2 * self.silo.width_m * self.silo.height_m
-
-
-def check_length(weight: str, length_m: float, spacing_m: float, points: int, width_m: float) -> None:
-    """Refuse a characteristic length beyond the body, or with more neighbours than memory holds."""
-    if length_m > width_m:
-        raise ValueError(
-            f"characteristic length is {length_m:g} m; it must be between 0 and the width of {width_m:g} m"
-        )
-    if length_m > 0.0 and most_pairs(WEIGHTS[weight](length_m), spacing_m, points) > MOST_PAIRS:
-        raise ValueError(
-            f"characteristic length is {length_m:g} m; with {points} points {1e3 * spacing_m:g} mm apart that makes "
-            f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one or larger cells"
-        )
-
-
-def active_kernel(weight: str, length_m: float, spacing_m: float):
-    """Weight of the non-local average, None where it would change nothing, and a sentence about it."""
-    if length_m == 0.0:
-        return None, "The law is local: the characteristic length is 0."
-    kernel = WEIGHTS[weight](length_m)
-    own = self_weight(kernel, spacing_m)
-    if own > INACTIVE_FROM:
-        return None, (
-            f"Non-locality is inactive: with points {1e3 * spacing_m:g} mm apart and a characteristic length of "
-            f"{1e3 * length_m:g} mm a point's own weight is {own:.4f}; points closer than "
-            f"{1e3 * length_m:g} mm would make it work."
-        )
-    return kernel, (
-        f"Non-locality is active: with points {1e3 * spacing_m:g} mm apart and a characteristic length of "
-        f"{1e3 * length_m:g} mm a point's own weight is {own:.3f}."
-    )
 
 
 def one_sentence(error: ValidationError) -> str:

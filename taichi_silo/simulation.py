@@ -107,7 +107,7 @@ class Simulation:
         room = max(HEADROOM * scene.silo.height_m, scene.flow.displacement_m + 2.0 * h)
         grid = Grid(scene.silo.width_m, scene.silo.height_m + room, h, copies=threads())
         self.particles = self._fill_box()
-        kernel = scene.kernel()
+        kernel, self.about_averaging = scene.averaging.kernel(scene.sand, self.spacing)
         self.solver = Solver(
             self.particles, grid, SHAPES[scene.grid.shape](0.5 / per_axis), self.law, self._walls(grid), control,
             averaging=NonLocal(kernel, self.particles, self.spacing) if kernel else None,

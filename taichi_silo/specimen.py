@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.averaging import NonLocal
+from taichi_silo.faults import RunFailed
 from taichi_silo.geometry import Axisymmetric, PlaneStrain, Setting
 from taichi_silo.grid import Grid
 from taichi_silo.noise import NoiseControl
@@ -34,7 +35,6 @@ class Reading:
     kinetic_energy_J: float
     time_step_s: float
     stable_step_s: float  # at the end
-    strays: int
 
 
 class Specimen:
@@ -103,7 +103,14 @@ class Specimen:
         return np.stack([x.ravel(), y.ravel()], axis=1)
 
     def drive(self, duration_s: float, speed_m_per_s: float) -> Reading:
-        """Let the plate's speed go linearly from what it was to `speed_m_per_s` (upwards, or along x in shear)."""
+        """Let the plate's speed go linearly from what it was to `speed_m_per_s` (upwards, or along x in shear).
+
+        Raises
+        ------
+        RunFailed
+            if points left the grid or are not finite.
+
+        """
         solver = self.solver
         stable = self.time_step or STEP_SAFETY * solver.survey().stable_step
         steps = max(1, math.ceil(duration_s / stable - 1e-9))
@@ -116,6 +123,11 @@ class Specimen:
         self.speed = speed_m_per_s
         found = solver.survey()
         points = self.particles.arrays()
+        if found.strays or not np.isfinite(points["stress"]).all():
+            raise RunFailed(
+                f"at t = {self.time:.5f} s, plate travel {1e3 * self.travel:.3f} mm: {found.strays} points "
+                f"left the grid or are not finite; a time step too large is the likely cause (it was {1e6 * dt:.2f} us)"
+            )
         share = points["volume"] / points["volume"].sum()
         grains = points["mass"].sum() / self.law.grain_density
         return Reading(
@@ -128,5 +140,4 @@ class Specimen:
             kinetic_energy_J=found.kinetic_energy,
             time_step_s=dt,
             stable_step_s=found.stable_step,
-            strays=found.strays,
         )

@@ -18,8 +18,10 @@ def bounds(void_ratio: float, pressure_Pa: float, scene: BiaxialScene) -> dict:
     peak = int(np.argmax(rows[:, 6]))
     has_peak = peak < len(rows) - 1
     # the dilatancy angle at the peak, from volume and axial strain: sin psi = -(d1 + d3) / (d1 - d3)
-    found = {"homogeneous_peak_deg": float(rows[peak, 6]), "homogeneous_peak_at": 1.0 - math.exp(-rows[peak, 0])}
+    found = {}
     if has_peak:
+        found["homogeneous_peak_deg"] = float(rows[peak, 6])
+        found["homogeneous_peak_at"] = 1.0 - math.exp(-rows[peak, 0])
         swell = np.log((1.0 + rows[peak + 1, 5]) / (1.0 + rows[peak - 1, 5]))
         axial = rows[peak + 1, 0] - rows[peak - 1, 0]
         lateral = axial + swell

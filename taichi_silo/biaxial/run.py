@@ -12,7 +12,6 @@ import pandas as pd
 from matplotlib import rc_context
 from rich.console import Console
 
-from taichi_silo import runtime
 from taichi_silo.biaxial.compression import Biaxial
 from taichi_silo.biaxial.scene import BiaxialScene
 from taichi_silo.faults import RunFailed
@@ -52,10 +51,10 @@ def leave(scene: BiaxialScene, folder: Path, overwrite: bool = False, keep: bool
         same = json.loads((folder / "scene.json").read_text()) == _portable(tables)
         if same and "unfinished" not in summary_of(folder):
             return folder
-    runtime.init(scene.machine.arch, scene.machine.threads)
+    scene.machine.start()
     folder = claim(folder, overwrite)
     (folder / "scene.json").write_text(json.dumps(_portable(tables)))
-    tables["averaging"]["characteristic_length_m"] = scene.characteristic_length_m
+    tables["averaging"]["characteristic_length_m"] = scene.averaging.length_m(scene.sand)
     write_tables(folder, tables, {"wall_seconds": 0.0})
     test, begun, rows, failure = Biaxial(scene), time.monotonic(), [], None
     console = Console(stderr=True)
@@ -125,7 +124,7 @@ def _write(folder: Path, test: Biaxial, rows: list, seconds: float, failure, fin
         (folder / "figures").mkdir(exist_ok=True)
         title = (
             f"Plane strain compression, $e_0$ = {scene.sand.void_ratio:.2f}, {scene.pressure_Pa / 1e3:g} kPa, "
-            f"$l_c$ = {1e3 * scene.characteristic_length_m:g} mm"
+            f"$l_c$ = {1e3 * scene.averaging.length_m(scene.sand):g} mm"
         )
         load_figure({"computed": curve}, title).savefig(folder / "figures" / "curve.png")
         for name in ("void_ratio", "path"):

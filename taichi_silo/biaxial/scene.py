@@ -5,7 +5,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from taichi_silo.scene import MOST_POINTS, Averaging, Machine, Sand, Table, active_kernel, check_length
+from taichi_silo.scene import MOST_POINTS, Averaging, Machine, Sand, Table
 
 
 class BiaxialScene(Table):
@@ -44,21 +44,10 @@ class BiaxialScene(Table):
             )
         if self.weak_size_m > 0.5 * self.width_m:
             raise ValueError(f"weak size is {self.weak_size_m} m; it must be at most {0.5 * self.width_m}")
-        check_length(
-            self.averaging.weight, self.characteristic_length_m, self.spacing_m, self.points_across * round(rows),
-            self.width_m,
-        )  # fmt: skip
+        self.averaging.check(self.sand, self.spacing_m, self.points_across * round(rows), self.width_m)
         self.sand.check_at(self.pressure_Pa)
         self.sand.model_copy(update={"void_ratio": self.weak_void_ratio}).check_at(self.pressure_Pa, "weak void ratio")
         return self
-
-    @property
-    def cost(self) -> float:
-        """How long it takes, in a unit of its own."""
-        step = self.time_step_s or 8e-4 * self.cell_size_m
-        steps = self.shortening * self.height_m / self.speed_m_per_s / step
-        reach = (9.0 if self.averaging.weight == "exponential" else 3.0) * self.characteristic_length_m
-        return steps * self.points_across**2 * (1.0 + 0.015 * (reach / self.spacing_m) ** 2)
 
     @property
     def spacing_m(self) -> float:
@@ -69,13 +58,3 @@ class BiaxialScene(Table):
     def cell_size_m(self) -> float:
         """Of the grid."""
         return self.spacing_m * math.isqrt(self.points_per_cell)
-
-    @property
-    def characteristic_length_m(self) -> float:
-        """l_c: as given, or three mean grain diameters."""
-        given = self.averaging.characteristic_length_m
-        return 3.0 * self.sand.d50_m if given is None else given
-
-    def averaging_kernel(self):
-        """Weight of the non-local average or None, and a sentence about it."""
-        return active_kernel(self.averaging.weight, self.characteristic_length_m, self.spacing_m)

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib import rc_context
 
+from taichi_silo.averaging import WEIGHTS
 from taichi_silo.biaxial.bounds import bounds
 from taichi_silo.biaxial.run import band_of, summary_of
 from taichi_silo.biaxial.scene import BiaxialScene
@@ -24,9 +25,9 @@ class Study:
     cases: dict[str, dict]
     paper: dict[str, dict] = field(default_factory=dict)  # label -> the paper's numbers
 
-    def scene(self, base: BiaxialScene, changes: dict) -> BiaxialScene:
+    def scene(self, changes: dict) -> BiaxialScene:
         """The scene of a case."""
-        tables = base.model_dump()
+        tables = BiaxialScene().model_dump()
         tables["machine"] = {"threads": 1}
         for name, value in changes.items():
             *groups, last = name.split(".")
@@ -46,6 +47,14 @@ class Study:
     def is_there(self, root: Path) -> bool:
         """Whether all cases have been run."""
         return all((self.folder(root, label) / "summary.json").exists() for label in self.cases)
+
+
+def cost(scene: BiaxialScene) -> float:
+    """How long a case takes, in a unit of its own."""
+    step = scene.time_step_s or 8e-4 * scene.cell_size_m
+    steps = scene.shortening * scene.height_m / scene.speed_m_per_s / step
+    reach = WEIGHTS[scene.averaging.weight].CUT * scene.averaging.length_m(scene.sand)
+    return steps * scene.points_across**2 * (1.0 + 0.015 * (reach / scene.spacing_m) ** 2)
 
 
 LENGTHS = (0.0, 1.5e-3, 1.75e-3, 2e-3, 2.5e-3, 3e-3, 4e-3)
@@ -123,29 +132,21 @@ STUDIES = {
 }
 
 
-def table_of(name: str, root: Path, base: BiaxialScene | None = None) -> pd.DataFrame:
+def table_of(name: str, root: Path) -> pd.DataFrame:
     """One row a case: the paper, the equations and what was computed."""
-    study, base = STUDIES[name], base or BiaxialScene()
-    rows = []
+    study, rows = STUDIES[name], []
     for label, changes in study.cases.items():
-        summary, scene = summary_of(study.folder(root, label)), study.scene(base, changes)
-        band, paper = summary["band"] or {"found": False}, study.paper.get(label, {})
-        length = scene.characteristic_length_m
+        summary, scene = summary_of(study.folder(root, label)), study.scene(changes)
+        paper, length = study.paper.get(label, {}), scene.averaging.length_m(scene.sand)
+        band = summary["band"] if summary["band"] and summary["band"]["found"] else None
         row = {
             "study": name, "case": label,
             "phi_peak_deg": summary.get("peak_friction_angle_deg"),
             "peak_at_percent": 100 * summary.get("peak_at_shortening", math.nan),
             "phi_res_deg": summary.get("residual_friction_angle_deg"),
-            "t_s_mm": 1e3 * band["loose_thickness_m"]["median"] if band["found"] else None,
-            "t_s_lower_mm": 1e3 * band["loose_thickness_m"]["lower"] if band["found"] else None,
-            "t_s_upper_mm": 1e3 * band["loose_thickness_m"]["upper"] if band["found"] else None,
-            "half_width_mm": 1e3 * band["thickness_m"]["median"] if band["found"] else None,
-            "half_width_lower_mm": 1e3 * band["thickness_m"]["lower"] if band["found"] else None,
-            "half_width_upper_mm": 1e3 * band["thickness_m"]["upper"] if band["found"] else None,
-            "theta_deg": band["inclination_deg"] if band["found"] else None,
-            "theta_error_deg": band["inclination_error_deg"] if band["found"] else None,
-            "t_s_over_l_c": 1e3 * band["loose_thickness_m"]["median"] / (1e3 * length)
-            if band["found"] and length else None,
+            **_spread("t_s", band and band["loose_thickness_m"]), **_spread("half_width", band and band["thickness_m"]),
+            "theta_deg": band and band["inclination_deg"], "theta_error_deg": band and band["inclination_error_deg"],
+            "t_s_over_l_c": band["loose_thickness_m"]["median"] / length if band and length else None,
             "paper_phi_peak_deg": paper.get("phi_peak"), "paper_t_s_mm": paper.get("t_s_mm"),
             "paper_theta_deg": paper.get("theta"),
             "failure": summary.get("failure", ""),
@@ -160,14 +161,18 @@ def table_of(name: str, root: Path, base: BiaxialScene | None = None) -> pd.Data
     return pd.DataFrame(rows)
 
 
+def _spread(name: str, found: dict | None) -> dict:
+    """Median and quartiles in mm."""
+    keys = {"": "median", "_lower": "lower", "_upper": "upper"}
+    return {f"{name}{suffix}_mm": found and 1e3 * found[key] for suffix, key in keys.items()}
+
+
 @functools.cache
 def _bounds(void_ratio: float, pressure_Pa: float) -> dict:
     """What the law alone says, in the table's units."""
     found = bounds(void_ratio, pressure_Pa, BiaxialScene())
     return {
-        "homogeneous_peak_deg": found["homogeneous_peak_deg"]
-        if "roscoe_deg" in found
-        else None,  # none: it still rises
+        "homogeneous_peak_deg": found.get("homogeneous_peak_deg"),
         "bifurcation_deg": found.get("bifurcation_deg"),
         "bifurcation_at_percent": 100.0 * found.get("bifurcation_at", math.nan),
         "bifurcation_band_deg": found.get("bifurcation_band_deg"),
@@ -220,10 +225,9 @@ def differences(root: Path) -> pd.DataFrame:
 
 def draw_study(name: str, root: Path) -> list[Path]:
     """Figures of a study: load curves, and the specimens at the end by void ratio and by shear strain."""
-    study, base = STUDIES[name], BiaxialScene()
-    curves, specimens = {}, {}
+    study, curves, specimens = STUDIES[name], {}, {}
     for label, changes in study.cases.items():
-        folder, scene = study.folder(root, label), study.scene(base, changes)
+        folder, scene = study.folder(root, label), study.scene(changes)
         failed = "failure" in summary_of(folder)
         curves[label + (" (fails)" if failed else "")] = pd.read_csv(folder / "curve.csv")
         if not failed:

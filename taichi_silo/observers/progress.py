@@ -22,7 +22,7 @@ class ProgressLine(Observer):
     def begin(self, simulation) -> None:
         """Estimate the whole in simulated seconds."""
         scene = simulation.scene
-        self.console.print(scene.about_averaging(), highlight=False, soft_wrap=True)
+        self.console.print(simulation.about_averaging, highlight=False, soft_wrap=True)
         ramp = 0.5 * RAMP_PERIODS * simulation.period
         self.total = (
             simulation.filling_time + 5.0 * simulation.period + ramp

@@ -53,7 +53,7 @@ class Summary(Observer):
         """Write the file."""
         simulation, seconds = self.simulation, time.monotonic() - self.started
         scene, records = simulation.scene, pd.DataFrame(self.records)
-        found = {"finished": self.failure is None, "averaging": scene.about_averaging()}
+        found = {"finished": self.failure is None, "averaging": simulation.about_averaging}
         if self.failure is not None:
             found["failure"] = self.failure
         if not records.empty:

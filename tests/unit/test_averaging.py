@@ -102,13 +102,17 @@ def in_a_shear_zone(amount):
     return place, moved, profile, spacing
 
 
+def moved_after_building(place, moved, spacing):
+    average = NonLocal(Gaussian(LENGTH), points_at(place), spacing)
+    average.refresh()
+    average.particles.position.from_numpy(moved)
+    return average
+
+
 def test_kept_rows_give_the_answer_of_new_ones_as_long_as_they_are_kept():
     allowed = 0.02 * LENGTH
     place, moved, norm, spacing = in_a_shear_zone(0.98 * allowed)
-    particles = points_at(place)
-    average = NonLocal(Gaussian(LENGTH), particles, spacing)
-    average.refresh()
-    particles.position.from_numpy(moved)
+    average = moved_after_building(place, moved, spacing)
     kept = Means(average)(norm)
     average.build()
     new = Means(average)(norm)
@@ -120,20 +124,14 @@ def test_rows_are_built_anew_once_half_of_the_allowed_displacement_is_used_up():
     allowed = 0.02 * LENGTH
     for amount, builds in ((0.4, 1), (0.6, 2)):
         place, moved, _, spacing = in_a_shear_zone(amount * allowed)
-        particles = points_at(place)
-        average = NonLocal(Gaussian(LENGTH), particles, spacing)
-        average.refresh()
-        particles.position.from_numpy(moved)
+        average = moved_after_building(place, moved, spacing)
         average.refresh()
         assert average.builds == builds
 
 
 def test_rows_kept_far_too_long_would_be_wrong():
     place, moved, norm, spacing = in_a_shear_zone(2.0 * LENGTH)
-    particles = points_at(place)
-    average = NonLocal(Gaussian(LENGTH), particles, spacing)
-    average.refresh()
-    particles.position.from_numpy(moved)
+    average = moved_after_building(place, moved, spacing)
     kept = Means(average)(norm)
     average.build()
     assert np.abs(kept - Means(average)(norm)).max() > 0.02 * norm.max()
@@ -161,15 +159,21 @@ def test_share_of_the_own_weight_on_a_lattice(spacing_mm, weight):
 
 def test_a_scene_says_when_non_locality_is_inactive_and_then_leaves_it_out():
     coarse, fine = Scene(), Scene(grid=Mesh(cell_size_m=0.0025))
-    assert coarse.about_averaging().startswith("Non-locality is inactive")
-    assert coarse.kernel() is None
-    assert fine.about_averaging().startswith("Non-locality is active")
-    assert fine.kernel() == Gaussian(LENGTH)
-    local = fine.model_copy(update={"averaging": Averaging(characteristic_length_m=0.0)})
-    assert local.kernel() is None
-    assert "local" in local.about_averaging()
+    kernel, sentence = kernel_of(coarse)
+    assert kernel is None
+    assert sentence.startswith("Non-locality is inactive")
+    kernel, sentence = kernel_of(fine)
+    assert kernel == Gaussian(LENGTH)
+    assert sentence.startswith("Non-locality is active")
+    kernel, sentence = kernel_of(fine.model_copy(update={"averaging": Averaging(characteristic_length_m=0.0)}))
+    assert kernel is None
+    assert "local" in sentence
     printed = Scene(averaging=Averaging(weight="exponential"))  # its tail reaches the next point even at 5 mm
-    assert printed.kernel() == Exponential(LENGTH)
+    assert kernel_of(printed)[0] == Exponential(LENGTH)
+
+
+def kernel_of(scene):
+    return scene.averaging.kernel(scene.sand, scene.spacing_m)
 
 
 def filled(threads=1, shared=None, length=3e-3):
