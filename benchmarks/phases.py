@@ -3,8 +3,9 @@
 import taichi as ti
 
 from taichi_silo.laws.integrate import update
+from taichi_silo.loops import Step
 from taichi_silo.runtime import real
-from taichi_silo.solver import Solver, Step
+from taichi_silo.solver import Solver
 from taichi_silo.tensors import norm
 
 
@@ -30,8 +31,9 @@ class Phases:
         """Particles to grid."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
+            step = Step(dt=dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
             for p in range(self.s.particles.count):
-                self.s._scatter(p, 0, False)
+                self.s._scatter(p, 0, step, "all", False)
 
     @ti.kernel
     def grid(self, steps: ti.i32, dt: real):
@@ -43,7 +45,7 @@ class Phases:
                     k = j * self.s.grid.columns + i
                     self.s.grid.mass[k] = 1.0  # the pass empties its sums
                     step = Step(dt=0.0 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
-                    self.s._integrate(i, j, step, False)
+                    self.s._integrate(i, j, step, "last", False)
 
     @ti.kernel
     def gather(self, steps: ti.i32, dt: real):
@@ -52,7 +54,7 @@ class Phases:
         for _ in range(steps):
             for p in range(self.s.particles.count):
                 step = Step(dt=1e-3 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
-                self.s._gather(p, step, 0)
+                self.s._gather(p, 0, step, self.s.grid.velocity, False)
 
     @ti.kernel
     def law(self, steps: ti.i32, dt: real):

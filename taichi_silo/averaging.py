@@ -149,7 +149,7 @@ class NonLocal:
             if points have come so close that the pairs exceed their room.
 
         """
-        place = self.particles.position.to_numpy()
+        place = self.particles.position.to_numpy()[: self.particles.active[None]]
         if not np.isfinite(place).all():
             return  # the guard will stop the run
         low = place.min(axis=0)
@@ -162,14 +162,16 @@ class NonLocal:
         # a bin's points stand together in `order`; three neighbouring bins of a row as well
         rows = int(bins[:, 1].max()) + 1
         first = np.searchsorted(number[order], np.arange(across * rows + 1)).astype(np.int32)
-        length = np.zeros(self.particles.count, dtype=np.int32)
+        length = np.zeros(len(place), dtype=np.int32)
         self._count(order, first, bins.astype(np.int32), across, rows, length)
         start = np.concatenate([[0], np.cumsum(length, dtype=np.int64)])
         if start[-1] > self.pairs_most:
             raise RunFailed(
                 f"because {start[-1]} pairs of neighbours exceed the room for {self.pairs_most}: points have clumped"
             )
-        self.start.from_numpy(start.astype(np.int32))
+        full = np.full(self.particles.count + 1, start[-1], dtype=np.int32)
+        full[: len(start)] = start
+        self.start.from_numpy(full)
         self._fill(order, first, bins.astype(np.int32), across, rows)
         self.builds += 1
         self.loads = self.particles.loads
@@ -177,7 +179,7 @@ class NonLocal:
     @ti.kernel
     def _moved(self) -> real:
         most = 0.0
-        for p in range(self.particles.count):
+        for p in range(self.particles.active[None]):
             ti.atomic_max(most, (self.particles.position[p] - self.place[p]).norm())
         return most
 
@@ -186,7 +188,7 @@ class NonLocal:
         self, order: ti.types.ndarray(), first: ti.types.ndarray(), bins: ti.types.ndarray(), across: ti.i32,
         rows: ti.i32, length: ti.types.ndarray(),
     ):  # fmt: skip
-        for p in range(self.particles.count):
+        for p in range(self.particles.active[None]):
             here = self.particles.position[p]
             found = 0
             for row in range(ti.max(bins[p, 1] - 1, 0), ti.min(bins[p, 1] + 2, rows)):
@@ -202,7 +204,7 @@ class NonLocal:
         self, order: ti.types.ndarray(), first: ti.types.ndarray(), bins: ti.types.ndarray(), across: ti.i32,
         rows: ti.i32,
     ):  # fmt: skip
-        for p in range(self.particles.count):
+        for p in range(self.particles.active[None]):
             here = self.particles.position[p]
             self.place[p] = here
             at, total = self.start[p], 0.0

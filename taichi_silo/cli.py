@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from rich.console import Console
 
 from taichi_silo.faults import BadInput, RunFailed
-from taichi_silo.scene import one_sentence
+from taichi_silo.table import one_sentence
 
 BAD_INPUT, FAILED, STOPPED = 2, 1, 130
 

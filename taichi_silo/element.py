@@ -11,8 +11,9 @@ from pydantic import Field, model_validator
 from taichi_silo.faults import RunFailed
 from taichi_silo.laws.stress_point import StressPoint, wave_speed
 from taichi_silo.noise import NoiseControl
-from taichi_silo.scene import Sand, Table
+from taichi_silo.scene import Sand
 from taichi_silo.specimen import Specimen
+from taichi_silo.variant import Shape, Variant
 from taichi_silo.walls import Glide, Grip, NoSlip, PlaneWall
 
 COLUMNS = (
@@ -74,7 +75,7 @@ TESTS = {
 }
 
 
-class ElementScene(Table):
+class ElementScene(Variant):
     """One element test."""
 
     test: Literal[tuple(TESTS)]
@@ -82,6 +83,7 @@ class ElementScene(Table):
     pressure_Pa: float = Field(50e3, ge=100.0, le=5e6, description="isotropic at the start")
     strain: float = Field(0.2, gt=0, description="at the end: axial logarithmic, or shear gamma")
     through: Literal["point", "mpm"] = "point"
+    shape: Shape = Field("ugimp", description="of the method, as all that follows")
 
     @model_validator(mode="before")
     @classmethod
@@ -108,10 +110,12 @@ def curve_of(scene: ElementScene) -> Iterator[tuple]:
         if the law cannot follow the path.
 
     """
-    through = through_point if scene.through == "point" else through_method
-    law = scene.sand.constitutive_law()
     try:
-        yield from through(TESTS[scene.test], law, scene.sand.void_ratio, scene.pressure_Pa, scene.strain)
+        if scene.through == "mpm":
+            yield from through_method(scene)
+        else:
+            law = scene.sand.constitutive_law()
+            yield from through_point(TESTS[scene.test], law, scene.sand.void_ratio, scene.pressure_Pa, scene.strain)
     except RunFailed:
         raise
     except RuntimeError as error:
@@ -145,7 +149,7 @@ def start_strain(law):
 
 def through_point(test: ElementTest, law, void_ratio: float, pressure_Pa: float, final: float) -> Iterator[tuple]:
     """Rows of the curve, from the law alone."""
-    point = StressPoint(law, (-pressure_Pa, -pressure_Pa, -pressure_Pa, 0.0), void_ratio, start_strain(law))
+    point = StressPoint(law, [-pressure_Pa] * 3 + [0.0], void_ratio, start_strain(law))
     yield row(test, 0.0, point.stress, point.void_ratio)
     count = max(1, math.ceil(final / ROWS / POINT_INCREMENT))
     part = final / ROWS / count
@@ -158,9 +162,10 @@ def through_point(test: ElementTest, law, void_ratio: float, pressure_Pa: float,
         yield row(test, final * number / ROWS, point.stress, point.void_ratio)
 
 
-def specimen(test: ElementTest, law, void_ratio: float, pressure_Pa: float) -> Specimen:
+def specimen(scene: ElementScene) -> Specimen:
     """A piece of one cell and four points between plates, with the boundary conditions of the test."""
-    size = CELL_M * CELLS
+    test, law, void_ratio = TESTS[scene.test], scene.sand.constitutive_law(scene.mass_scaling), scene.sand.void_ratio
+    pressure_Pa, size = scene.pressure_Pa, CELL_M * CELLS
 
     def walls(grid):
         bottom, top = grid.node_along(0.0), grid.node_along(size)
@@ -184,15 +189,16 @@ def specimen(test: ElementTest, law, void_ratio: float, pressure_Pa: float) -> S
         stress=(-pressure_Pa, -pressure_Pa, -pressure_Pa, 0.0), ambient_pressure=pressure_Pa if kept else 0.0,
         right_m=size if kept and not test.sheared else 0.0, axisymmetric=test.tied is not None,
         per_axis=PER_AXIS, follows=("surface" if kept else "nothing") if test.sheared else "top", periodic=test.sheared,
-        control=NoiseControl.for_column(4.0 * size / speed), h=start_strain(law),
+        control=NoiseControl.for_column(4.0 * size / speed), h=start_strain(law), shape=scene.shape, variant=scene,
     )  # fmt: skip
 
 
-def through_method(test: ElementTest, law, void_ratio: float, pressure_Pa: float, final: float) -> Iterator[tuple]:
+def through_method(scene: ElementScene) -> Iterator[tuple]:
     """Rows of the curve, from the material point method; Taichi has been started."""
-    piece = specimen(test, law, void_ratio, pressure_Pa)
+    test, pressure_Pa, final = TESTS[scene.test], scene.pressure_Pa, scene.strain
+    piece = specimen(scene)
     height = piece.solver.grid.height
-    yield row(test, 0.0, (-pressure_Pa, -pressure_Pa, -pressure_Pa, 0.0), void_ratio)
+    yield row(test, 0.0, (-pressure_Pa, -pressure_Pa, -pressure_Pa, 0.0), scene.sand.void_ratio)
     gamma = 0.0
     for number in range(1, ROWS + 1):
         part = final * number / ROWS

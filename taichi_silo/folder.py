@@ -10,7 +10,8 @@ import tomli_w
 from pydantic import ValidationError
 
 from taichi_silo.faults import BadInput
-from taichi_silo.scene import Scene, one_sentence
+from taichi_silo.scene import Scene
+from taichi_silo.table import one_sentence
 
 MADE = "run.toml"  # its presence says that the folder holds a run
 PRODUCTS = (

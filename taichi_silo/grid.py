@@ -22,6 +22,7 @@ class Grid:
     force           copy, node  internal force [N/m]
     velocity        node        after the step [m/s]
     change          node        of the velocity in the step [m/s]
+    echo            node        velocities that went to the nodes once more in the step [m/s]
     memory          node        exponential mean of the velocity, for the noise control [m/s]
     stretch         copy        height of the grid over its first height [-], one copy for each thread
     ==============  ==========  ========================================================================
@@ -61,6 +62,7 @@ class Grid:
         self.velocity = ti.Vector.field(2, real)
         self.change = ti.Vector.field(2, real)
         ti.root.dense(ti.i, self.nodes).place(self.velocity, self.change)
+        self.echo = ti.Vector.field(2, real, shape=self.nodes)
         self.memory = ti.Vector.field(2, real, shape=self.nodes)
         self.stretch = ti.field(real, shape=copies)
         self.stretch.fill(1.0)

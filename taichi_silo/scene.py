@@ -8,12 +8,14 @@ import math
 import os
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from taichi_silo import runtime
 from taichi_silo.averaging import INACTIVE_FROM, MOST_PAIRS, WEIGHTS, most_pairs, self_weight
 from taichi_silo.faults import BadInput
 from taichi_silo.laws import GudehusBauer, Intergranular
+from taichi_silo.table import Table
+from taichi_silo.variant import Shape, Variant
 
 LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of loose sand applies
 MOST_POINTS = 20_000_000
@@ -22,12 +24,6 @@ MOST_POINTS = 20_000_000
 def cores() -> int:
     """Processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-class Table(BaseModel):
-    """A group of parameters: frozen, finite, and no unknown names."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Silo(Table):
@@ -87,11 +83,12 @@ class Sand(Table):
             )
         return self
 
-    def constitutive_law(self) -> GudehusBauer | Intergranular:
-        """The constitutive law with these constants."""
+    def constitutive_law(self, mass_scaling: float = 1.0) -> GudehusBauer | Intergranular:
+        """The constitutive law with these constants, the grains' density times a factor."""
+        skeleton = self.skeleton(mass_scaling)
         if self.law == "gudehus-bauer":
-            return self.skeleton()
-        return Intergranular(skeleton=self.skeleton(), **self.intergranular.model_dump())
+            return skeleton
+        return Intergranular(skeleton=skeleton, **self.intergranular.model_dump())
 
     def check_at(self, pressure_Pa: float, name: str = "void ratio") -> None:
         """Refuse a void ratio that this sand cannot have at an isotropic pressure."""
@@ -102,14 +99,14 @@ class Sand(Table):
                 f"e_d = {e_d:.4f} and e_i = {e_i:.4f}"
             )
 
-    def skeleton(self) -> GudehusBauer:
+    def skeleton(self, mass_scaling: float = 1.0) -> GudehusBauer:
         """The law without memory."""
         return GudehusBauer(
             critical_friction_angle_deg=self.critical_friction_angle_deg,
             granular_hardness_Pa=self.granular_hardness_Pa,
             n=self.n, alpha=self.alpha, beta=self.beta,
             e_i0=self.e_i0, e_c0=self.e_c0, e_d0=self.e_d0,
-            grain_density=self.grain_density_kg_per_m3,
+            grain_density=mass_scaling * self.grain_density_kg_per_m3,
         )  # fmt: skip
 
 
@@ -135,7 +132,7 @@ class Mesh(Table):
 
     cell_size_m: float = Field(0.005, gt=0)
     points_per_cell: int = 1
-    shape: Literal["ugimp", "linear"] = "ugimp"
+    shape: Shape = "ugimp"
 
     @field_validator("points_per_cell")
     @classmethod
@@ -194,11 +191,10 @@ class Averaging(Table):
         return kernel, f"Non-locality is active: {apart} {own:.3f}."
 
 
-class Method(Table):
+class Method(Variant):
     """How it is computed."""
 
     noise_control: Literal["column", "none"] = "column"
-    time_step_s: float | None = Field(None, gt=0, description="from the law's stiffness if absent")
     gravity_m_per_s2: float = Field(9.81, gt=0)
     filling_time_s: float = Field(0.5, gt=0, description="of the increase of weight; at least 12 column periods")
     longest_settling_s: float = Field(1.0, ge=0, description="or 20 column periods, if longer")
@@ -290,20 +286,3 @@ class Scene(Table):
     def weight_N_per_m(self) -> float:
         """Weight of the fill."""
         return self.density_kg_per_m3 * self.method.gravity_m_per_s2 * self.silo.width_m * self.silo.height_m
-
-
-def one_sentence(error: ValidationError) -> str:
-    """The first thing that is wrong, with the name, the value and what would be right."""
-    first = error.errors()[0]
-    message = first["msg"].removeprefix("Value error, ")
-    if first["type"] == "value_error":
-        return message
-    name = str(first["loc"][-1]) if first["loc"] else "scene"
-    name = {"kind": "walls"}.get(name, name)
-    limits = first.get("ctx", {})
-    words = {"gt": "be above", "ge": "be at least", "lt": "be below", "le": "be at most"}
-    rules = [f"{words[key]} {limits[key]}" for key in words if key in limits]
-    if first["type"] == "extra_forbidden":
-        return f"{name} is not a parameter of a scene"
-    rule = f"it must {' and '.join(rules)}" if rules else message.lower()
-    return f"{name} is {first['input']}; {rule}"

@@ -87,7 +87,10 @@ class Simulation:
 
     def __init__(self, scene: Scene, control: NoiseControl | None = None):
         self.scene = scene
-        self.law = scene.sand.constitutive_law()
+        # mass scaling: heavier grains under a smaller gravity have the same weight
+        self.law = scene.sand.constitutive_law(scene.method.mass_scaling)
+        self.gravity = scene.method.gravity_m_per_s2 / scene.method.mass_scaling
+        self.density = self.law.grain_density / (1.0 + scene.sand.void_ratio)  # inertial
         self.time, self.displacement, self.stage = 0.0, 0.0, "filling"
         self.settled = False  # whether the wall force had come to rest before the flow
         self.flow_start, self.bottom_speed = None, 0.0  # [s], [m/s]
@@ -96,7 +99,10 @@ class Simulation:
         per_axis = math.isqrt(scene.grid.points_per_cell)
         self.spacing = h / per_axis
 
-        middle = 0.5 * scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * scene.silo.height_m
+        self.shape = SHAPES[scene.grid.shape](0.5 / per_axis)
+        self.transfer = scene.method.transfer_of_points()
+
+        middle = 0.5 * self.density * self.gravity * scene.silo.height_m
         self.wave_speed = wave_speed(self.law, (-0.5 * middle, -middle, -0.5 * middle, 0.0), scene.sand.void_ratio)
         self.period = 4.0 * scene.silo.height_m / self.wave_speed
         if control is None:
@@ -109,8 +115,9 @@ class Simulation:
         self.particles = self._fill_box()
         kernel, self.about_averaging = scene.averaging.kernel(scene.sand, self.spacing)
         self.solver = Solver(
-            self.particles, grid, SHAPES[scene.grid.shape](0.5 / per_axis), self.law, self._walls(grid), control,
+            self.particles, grid, self.shape, self.law, self._walls(grid), control,
             averaging=NonLocal(kernel, self.particles, self.spacing) if kernel else None,
+            **scene.method.solver_options(),
         )  # fmt: skip
         self.mass = float(self.particles.mass.to_numpy().sum())
         self.solver.advance(0, 1.0)  # compiles
@@ -120,14 +127,15 @@ class Simulation:
         columns, rows = round(scene.silo.width_m / d), round(scene.silo.height_m / d)
         x, y = np.meshgrid((np.arange(columns) + 0.5) * d, (np.arange(rows) + 0.5) * d)
         count = columns * rows
-        particles = Particles(count, self.law.REMEMBERS)
+        particles = Particles.for_method(count, self.law, self.shape, self.transfer)
         state = {
             "position": np.stack([x.ravel(), y.ravel()], axis=1),
             "velocity": np.zeros((count, 2)),
             "stress": np.tile([-self.law.rest_stress] * 3 + [0.0], (count, 1)),
-            "mass": np.full(count, scene.density_kg_per_m3 * d * d),
+            "mass": np.full(count, self.density * d * d),
             "volume": np.full(count, d * d),
             "path": np.zeros(count),
+            "domain": np.tile([d, 0.0, 0.0, d], (count, 1)),
         }
         if self.law.REMEMBERS:  # the last strain is that of filling: vertical compression
             state["intergranular"] = np.tile([0.0, -self.law.radius, 0.0, 0.0], (count, 1))
@@ -165,7 +173,7 @@ class Simulation:
     def fill(self):
         """Linear increase of weight, then rest until the wall force no longer changes."""
         self.stage = "filling"
-        g = self.scene.method.gravity_m_per_s2
+        g = self.gravity
         duration = self.filling_time
         count = math.ceil(duration / self.interval)
         for number in range(count):
@@ -184,7 +192,7 @@ class Simulation:
     def flow(self):
         """Lower the bottom: a smooth start over several periods, then constant speed."""
         self.stage = "flow"
-        g, target = self.scene.method.gravity_m_per_s2, self.scene.flow.displacement_m
+        g, target = self.gravity, self.scene.flow.displacement_m
         start = self.flow_start = self.time
         while self.displacement < target * (1.0 - 1e-12):
             duration = self.interval
@@ -203,7 +211,7 @@ class Simulation:
         before = solver.survey()
         # while the weight grows so does the wave speed, with the fourth root of the stress
         growth = (gravity[0] / gravity[1]) ** 0.25 if gravity[0] > 0.0 else FIRST_STEP
-        step = scene.method.time_step_s or STEP_SAFETY * growth * before.stable_step
+        step = scene.method.time_step(before, STEP_SAFETY) * (growth if scene.method.time_step_s is None else 1.0)
         steps = max(1, math.ceil(duration / step - 1e-9))
         dt = duration / steps
         filling = self.control.filling_drag if self.stage == "filling" else 0.0

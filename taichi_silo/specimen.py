@@ -18,6 +18,7 @@ from taichi_silo.particles import Particles
 from taichi_silo.runtime import threads
 from taichi_silo.shapes import SHAPES
 from taichi_silo.solver import Solver
+from taichi_silo.variant import Variant
 
 STEP_SAFETY = 0.9  # of the stable step, which changes within an interval
 
@@ -54,7 +55,7 @@ class Specimen:
     gravity : [m/s2].
     kernel : of the non-local average, or None.
     control : noise control.
-    time_step_s : fixed; from the law's stiffness if None.
+    shape, variant : of the method.
     h : intergranular strain at the start, for a law that remembers.
 
     """
@@ -62,17 +63,18 @@ class Specimen:
     def __init__(
         self, law, void_ratio, *, width_m, height_m, cell_size_m, walls, stress, per_axis=1, ambient_pressure=0.0,
         left_m=0.0, right_m=None, axisymmetric=False, follows="top", periodic=False, gravity=0.0, kernel=None,
-        control: NoiseControl | None = None, time_step_s=None, shape="ugimp", h=(0.0, 0.0, 0.0, 0.0),
+        control: NoiseControl | None = None, shape="ugimp", variant: Variant | None = None, h=(0.0, 0.0, 0.0, 0.0),
     ):  # fmt: skip
-        self.law, self.gravity, self.time_step = law, gravity, time_step_s
+        self.law, self.gravity, self.variant = law, gravity, variant or Variant()
         right_m = left_m if right_m is None else right_m
         geometry = Axisymmetric() if axisymmetric else PlaneStrain()
         grid = Grid(left_m + width_m + right_m, height_m, cell_size_m, threads(), follows, periodic)
         place = self.lattice(width_m, height_m, cell_size_m, per_axis) + np.array([left_m, 0.0])
         count, spacing = len(place), cell_size_m / per_axis
+        shape = SHAPES[shape](0.5 / per_axis)
         e = np.broadcast_to(np.asarray(void_ratio, dtype=float), count)
         volume = spacing**2 * geometry.depth(place[:, 0])
-        self.particles = Particles(count, law.REMEMBERS)
+        self.particles = Particles.for_method(count, law, shape, self.variant.transfer_of_points())
         state = {
             "position": place,
             "velocity": np.zeros((count, 2)),
@@ -80,14 +82,15 @@ class Specimen:
             "mass": law.grain_density / (1.0 + e) * volume,
             "volume": volume,
             "path": np.zeros(count),
+            "domain": np.tile([spacing, 0.0, 0.0, spacing], (count, 1)),
         }
         if law.REMEMBERS:
             state["intergranular"] = np.broadcast_to(np.asarray(h, dtype=float), (count, 4))
         self.particles.load(state)
         self.solver = Solver(
-            self.particles, grid, SHAPES[shape](0.5 / per_axis), law, walls(grid), control or NoiseControl(),
+            self.particles, grid, shape, law, walls(grid), control or NoiseControl(),
             averaging=NonLocal(kernel, self.particles, spacing) if kernel else None,
-            setting=Setting(geometry, ambient_pressure),
+            setting=Setting(geometry, ambient_pressure), **self.variant.solver_options(),
         )  # fmt: skip
         self.time = self.travel = 0.0
         self.steps = 0
@@ -112,8 +115,8 @@ class Specimen:
 
         """
         solver = self.solver
-        stable = self.time_step or STEP_SAFETY * solver.survey().stable_step
-        steps = max(1, math.ceil(duration_s / stable - 1e-9))
+        step = self.variant.time_step(solver.survey(), STEP_SAFETY)
+        steps = max(1, math.ceil(duration_s / step - 1e-9))
         dt = duration_s / steps
         solver.advance(steps, dt, (self.gravity, self.gravity), (self.speed, speed_m_per_s))
         reaction, _ = solver.books.take()

@@ -9,7 +9,7 @@ from taichi_silo.particles import Particles
 from taichi_silo.solver import Solver
 
 
-def block(*, width, height, cell, points_per_axis=1, density=1500.0, origin=(0.0, 0.0), box=None):
+def block(*, width, height, cell, points_per_axis=1, density=1500.0, origin=(0.0, 0.0), box=None, extra=()):
     """A rectangle of points at rest without stress, in a grid over `box` (width, height).
 
     Returns
@@ -21,7 +21,7 @@ def block(*, width, height, cell, points_per_axis=1, density=1500.0, origin=(0.0
     columns, rows = round(width / d), round(height / d)
     x, y = np.meshgrid((np.arange(columns) + 0.5) * d, (np.arange(rows) + 0.5) * d)
     count = columns * rows
-    particles = Particles(count)
+    particles = Particles(count, extra)
     particles.load(
         {
             "position": np.stack([x.ravel(), y.ravel()], axis=1) + np.array(origin),
@@ -30,6 +30,7 @@ def block(*, width, height, cell, points_per_axis=1, density=1500.0, origin=(0.0
             "mass": np.full(count, density * d * d),
             "volume": np.full(count, d * d),
             "path": np.zeros(count),
+            "domain": np.tile([d, 0.0, 0.0, d], (count, 1)),
         }
     )
     return particles, Grid(*(box or (width, height)), cell, copies=runtime.threads())

@@ -37,7 +37,8 @@ class Biaxial:
 
     def __init__(self, scene: BiaxialScene):
         self.scene = scene
-        law = scene.sand.constitutive_law()
+        law = scene.sand.constitutive_law(scene.mass_scaling)
+        gravity = scene.gravity_m_per_s2 / scene.mass_scaling
         h, p = scene.cell_size_m, scene.pressure_Pa
         per_axis = math.isqrt(scene.points_per_cell)
         place = Specimen.lattice(scene.width_m, scene.height_m, h, per_axis)
@@ -47,7 +48,7 @@ class Biaxial:
         e = np.where(weak, scene.weak_void_ratio, scene.sand.void_ratio)
         density = law.grain_density / (1.0 + scene.sand.void_ratio)
         stress = np.tile([-p, -p, -p, 0.0], (len(place), 1))
-        stress[:, 1] -= density * scene.gravity_m_per_s2 * (scene.height_m - place[:, 1])
+        stress[:, 1] -= density * gravity * (scene.height_m - place[:, 1])
         middle = stress[len(stress) // 2]
         speed = wave_speed(law, middle, scene.sand.void_ratio)
         self.period = 4.0 * scene.height_m / speed
@@ -66,8 +67,8 @@ class Biaxial:
         self.specimen = Specimen(
             law, e, width_m=scene.width_m, height_m=scene.height_m, cell_size_m=h, per_axis=per_axis,
             walls=walls, stress=stress,
-            ambient_pressure=p, left_m=left, gravity=scene.gravity_m_per_s2, kernel=kernel,
-            control=control, time_step_s=scene.time_step_s, h=start_strain(law),
+            ambient_pressure=p, left_m=left, gravity=gravity, kernel=kernel,
+            control=control, shape=scene.shape, variant=scene, h=start_strain(law),
         )  # fmt: skip
         self.left, self.initial_void_ratio = left, e
 

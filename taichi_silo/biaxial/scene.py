@@ -5,10 +5,11 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from taichi_silo.scene import MOST_POINTS, Averaging, Machine, Sand, Table
+from taichi_silo.scene import MOST_POINTS, Averaging, Machine, Sand
+from taichi_silo.variant import Shape, Variant
 
 
-class BiaxialScene(Table):
+class BiaxialScene(Variant):
     """A specimen between two smooth plates, in a fluid under pressure; the upper plate goes down."""
 
     sand: Sand = Sand(void_ratio=0.55)
@@ -16,6 +17,7 @@ class BiaxialScene(Table):
     height_m: float = Field(0.14, ge=1e-3, le=10)
     points_across: int = Field(32, ge=4, le=400, description="points along the width")
     points_per_cell: Literal[1, 4, 9] = 4
+    shape: Shape = "ugimp"
     pressure_Pa: float = Field(50e3, ge=100.0, le=5e6, description="of the fluid around the sides")
     weak_void_ratio: float = Field(0.91, description="of the weak element on the left")
     weak_size_m: float = Field(0.005, ge=0, description="at most half of the width")
@@ -25,7 +27,6 @@ class BiaxialScene(Table):
     shortening: float = Field(0.05, gt=0, le=0.3, description="at the end, u / height")
     gravity_m_per_s2: float = Field(9.81, ge=0)
     noise_control: Literal["column", "none"] = "column"
-    time_step_s: float | None = Field(None, ge=1e-9)
     machine: Machine = Machine()
 
     @model_validator(mode="after")

@@ -79,7 +79,7 @@ class Summary(Observer):
     def _forces(self, records: pd.DataFrame) -> dict:
         """State after filling, peaks in flow (means over one period) and residual state."""
         filling, flow = records[records.stage == "filling"], records[records.stage == "flow"]
-        found = {"weight_N_per_m": self.simulation.mass * self.simulation.scene.method.gravity_m_per_s2}
+        found = {"weight_N_per_m": self.simulation.mass * self.simulation.gravity}
         if not filling.empty:
             found["filling"] = _means(filling.tail(ROWS_PER_PERIOD))
         if len(flow) < ROWS_PER_PERIOD:

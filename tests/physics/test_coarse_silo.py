@@ -10,10 +10,10 @@ import taichi as ti
 from taichi_silo import runtime
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.observers.profiles import wall_stress
+from taichi_silo.phases import scatter
 from taichi_silo.scene import Flow, Mesh, Method, Sand, Scene, Walls
 from taichi_silo.simulation import LEFT, RIGHT, Simulation
 from taichi_silo.theory.janssen import Janssen
-from taichi_silo.transfer import scatter
 
 CASES = [(0.60, "smooth"), (0.60, "very-rough"), (0.90, "smooth"), (0.90, "very-rough")]
 CURVES = ("displacement_m", "bottom_N_per_m", "shear_N_per_m", "normal_N_per_m")
@@ -23,7 +23,9 @@ def mass_on_grid(solver):
     @ti.kernel
     def scatter_all():
         for p in range(solver.particles.count):
-            scatter(solver.particles, solver.grid, solver.shape, solver.setting, p, 0, True)
+            scatter(
+                solver.particles, solver.grid, solver.shape, solver.transfer, solver.setting, p, 0, True, True, True
+            )  # fmt: skip
 
     scatter_all()
     total = float(solver.grid.mass.to_numpy().sum())

@@ -7,11 +7,13 @@ PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
     ["runtime", "maths", "tensors", "faults"],
-    ["grid", "particles", "noise", "geometry"],
-    ["shapes", "laws", "walls", "averaging"],
+    ["grid", "particles", "noise", "geometry", "table"],
+    ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
-    ["transfer"],
+    ["phases", "survey"],
+    ["filters"],
     ["solver"],
+    ["variant"],
     ["scene"],
     ["simulation", "specimen", "sands"],
     ["element", "folder"],

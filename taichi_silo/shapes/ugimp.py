@@ -1,10 +1,10 @@
 """Generalised interpolation (Bardenhagen and Kober 2004) with domains of fixed size: uGIMP."""
 
-import math
 from dataclasses import dataclass
 
-import numpy as np
 import taichi as ti
+
+from taichi_silo.shapes import bound
 
 
 @dataclass(frozen=True)
@@ -15,9 +15,9 @@ class UniformGimp:
     integrals of straight lines, so that weights and gradients need no case distinction.
     """
 
-    half_size: float = 0.5  # l of the point's domain, in grid units: 1/2 for one point a cell, 1/4 for four
+    half_size: float = 0.5  # l of the point's domain, in cells
 
-    NODES = 3
+    PATCHES, NODES, DOMAIN = 1, 3, False
 
     def __post_init__(self):
         if not 0.0 < self.half_size <= 0.5:
@@ -25,21 +25,21 @@ class UniformGimp:
 
     @property
     def stable_fraction(self) -> float:
-        """Numerical maximum over the position in a cell: 0.577 for l = 1/2, 0.463 for l = 1/4."""
-        l = self.half_size  # noqa: E741
-        a = np.linspace(1e-9, 1.0 - 1e-9, 20001)
-        end, over = np.minimum(a + 2 * l, 1.0), np.maximum(a + 2 * l - 1.0, 0.0)
-        weights = [((1 - a) ** 2 - (1 - end) ** 2) / (4 * l), over**2 / (4 * l)]
-        slopes = [(a - end) / (2 * l), over / (2 * l)]
-        weights.append(1.0 - weights[0] - weights[1])
-        slopes.append(-slopes[0] - slopes[1])
-        total = sum(np.where(s > 0, g**2 / np.maximum(s, 1e-300), 0.0) for s, g in zip(weights, slopes, strict=True))
-        return 2.0 / math.sqrt(2.0 * float(total.max()))
+        """0.577 for l = 1/2, 0.463 for l = 1/4."""
+        start, end = bound.PLACES, bound.PLACES + 2.0 * self.half_size
+        inside = [  # integrals of the hats of nodes 0, 1 and 2 over the domain
+            ((1 - start) ** 2 - (1 - end).clip(0.0) ** 2) / 2.0,
+            0.0 * start,
+            (end - 1.0).clip(0.0) ** 2 / 2.0,
+        ]
+        inside[1] = 2.0 * self.half_size - inside[0] - inside[2]
+        slopes = bound.hats(end)[1:] - bound.hats(start)[1:]
+        return bound.fraction([s / (2.0 * self.half_size) for s in inside], slopes / (2.0 * self.half_size))
 
     @ti.func
-    def axis(self, xi):
+    def axis(self, x):
         """First node, three weights, three derivatives."""
-        start = xi - self.half_size
+        start = x - self.half_size
         base = ti.floor(start)
         a = start - base
         b = a + 2.0 * self.half_size
@@ -50,3 +50,10 @@ class UniformGimp:
         g0 = (a - end) * (0.5 / self.half_size)
         g2 = over * (0.5 / self.half_size)
         return base, (s0, 1.0 - s0 - s2, s2), (g0, 0.0 - g0 - g2, g2)
+
+    @ti.func
+    def patch(self, number: ti.template(), x, y, domain):
+        """Three nodes an axis."""
+        i, sx, gx = self.axis(x)
+        j, sy, gy = self.axis(y)
+        return i, sx, gx, j, sy, gy

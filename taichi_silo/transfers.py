@@ -1,0 +1,97 @@
+"""How a point gets its velocity from the grid.
+
+The contract, a frozen dataclass:
+
+`GRADIENT`
+    "none", or which velocity gradient the points carry and give to the nodes: "affine" (of APIC) or "strain" (that of
+    the strain rate).
+`ECHO`
+    whether velocities go to the nodes and back once more in the step.
+`carried(old, grid, change, echo, dt)`
+    the point's new velocity [m/s] from its old one, the grid's new velocity and its change in the step at the point,
+    and, with ECHO, what comes back of the grid's old velocity after one more trip to the nodes.
+"""
+
+from dataclasses import dataclass
+
+import taichi as ti
+
+
+@dataclass(frozen=True)
+class Flip:
+    """The change only, so nothing is smeared, and nothing that the grid cannot see is damped."""
+
+    GRADIENT, ECHO = "none", False
+
+    @ti.func
+    def carried(self, old, grid, change, echo, dt):
+        """Old velocity and change."""
+        return old + change
+
+
+@dataclass(frozen=True)
+class Pic:
+    """The grid's velocity itself: a viscosity of about density h^2 / (4 dt)."""
+
+    GRADIENT, ECHO = "none", False
+
+    @ti.func
+    def carried(self, old, grid, change, echo, dt):
+        """Velocity of the grid."""
+        return grid
+
+
+@dataclass(frozen=True)
+class Blend:
+    """FLIP with a share of PIC in each step."""
+
+    share: float = 0.05
+
+    GRADIENT, ECHO = "none", False
+
+    @ti.func
+    def carried(self, old, grid, change, echo, dt):
+        """Weighted mean of both."""
+        return (1.0 - self.share) * (old + change) + self.share * grid
+
+
+@dataclass(frozen=True)
+class Enhanced:
+    """FLIP, whose points give the nodes their velocity gradient as well (Wallstedt and Guilkey 2007)."""
+
+    GRADIENT, ECHO = "strain", False
+
+    @ti.func
+    def carried(self, old, grid, change, echo, dt):
+        """As FLIP."""
+        return old + change
+
+
+@dataclass(frozen=True)
+class Apic:
+    """PIC with an affine velocity field in each point (Jiang et al. 2015): keeps angular momentum."""
+
+    GRADIENT, ECHO = "affine", False
+
+    @ti.func
+    def carried(self, old, grid, change, echo, dt):
+        """Velocity of the grid."""
+        return grid
+
+
+@dataclass(frozen=True)
+class Xpic:
+    """XPIC of order 2 (Hammerquist and Nairn 2017): PIC that leaves what the grid sees, to second order.
+
+    With P the trip to the nodes and back, the old velocities V become 2 P V - P P V.
+    """
+
+    GRADIENT, ECHO = "none", True
+
+    @ti.func
+    def carried(self, old, grid, change, echo, dt):
+        """Twice P V less P P V, and the change; `grid` is P V and the change."""
+        return grid + (grid - change) - echo
+
+
+TRANSFERS = {"flip": Flip, "pic": Pic, "blend": Blend, "gradient": Enhanced, "apic": Apic, "xpic": Xpic}
