@@ -34,13 +34,15 @@ def element_test(
     ] = None,
     law: cli.LawFlag = "gudehus-bauer",
     through: Annotated[Literal["point", "mpm"], Option(help="the law alone, or the whole method")] = "point",
+    shape: cli.ShapeFlag = "ugimp",
+    method: cli.MethodFlags = None,
     output: Annotated[Path | None, Option(help="folder; outputs/... if not given")] = None,
     overwrite: Annotated[bool, Option("--overwrite", help="replace a test in the output folder")] = False,
 ):
     """Run one element test; leaves curve.csv, run.toml and figures/curve.png."""
     values = {"pressure_Pa": pressure, "strain": strain}
     scene = ElementScene(
-        test=test, sand=sands.sand(sand, void_ratio, law=law), through=through,
+        test=test, sand=sands.sand(sand, void_ratio, law=law), through=through, shape=shape, **method,
         **{name: value for name, value in values.items() if value is not None},
     )  # fmt: skip
     runtime.init()

@@ -36,12 +36,16 @@ def four_cases(
     cell_size: Annotated[float, Option(help="of the grid [m]")] = 0.005,
     speed: Annotated[float, Option(help="of the bottom [m/s]")] = 0.002,
     displacement: Annotated[float, Option(help="of the bottom at the end [m]")] = 0.02,
+    shape: cli.ShapeFlag = "ugimp",
+    method: cli.MethodFlags = None,
     output: Annotated[Path, Option(help="folder; one subfolder a case")] = Path("outputs/four_cases"),
     film: Annotated[bool, Option(help="draw the films")] = True,
 ):
     """Run the paper's four cases and draw them side by side."""
     constants = sands.sand(sand, dense).model_dump(exclude={"void_ratio"})
     flags = {"--sand": sand, "--cell-size": cell_size, "--speed": speed, "--displacement": displacement, "--threads": 1}
+    flags |= {"--shape": shape} | cli.flags_of(method)
+    chosen = {"shape": shape} | {name: value for name, value in method.items() if value is not None}
     folders = {name: output / name.replace(", ", "_").replace(" ", "-") for name in CASES}
 
     def simulate(name: str) -> tuple[str, int, str]:
@@ -49,7 +53,7 @@ def four_cases(
         void_ratio = {"dense": dense, "loose": loose}[packing]
         folder = folders[name]
         wanted = {"void_ratio": void_ratio, "kind": walls, "cell_size_m": cell_size}
-        wanted |= constants | {"speed_m_per_s": speed, "displacement_m": displacement}
+        wanted |= constants | chosen | {"speed_m_per_s": speed, "displacement_m": displacement}
         if is_there(folder, wanted) and (not film or (folder / "void_ratio.mp4").exists()):
             return name, 0, "kept"
         case = flags | {"--void-ratio": void_ratio, "--walls": walls, "--output": folder}
@@ -78,7 +82,7 @@ def is_there(folder: Path, wanted: dict) -> bool:
     except (BadInput, OSError, ValueError, KeyError):
         return False
     values = {key: value for table in tables.values() for key, value in table.items()}
-    return finished and all(values[key] == value for key, value in wanted.items())
+    return finished and all(values.get(key) == value for key, value in wanted.items())
 
 
 if __name__ == "__main__":

@@ -31,6 +31,8 @@ def noise_control(
     cell_size: Annotated[float, Option(help="of the grid [m]")] = 0.005,
     speed: Annotated[float, Option(help="of the bottom [m/s]")] = 0.005,
     displacement: Annotated[float, Option(help="of the bottom at the end [m]")] = 0.005,
+    shape: cli.ShapeFlag = "ugimp",
+    method: cli.MethodFlags = None,
     output: Annotated[Path, Option(help="folder; one subfolder a run")] = Path("outputs/noise_control"),
 ):
     """Compare the wall force with and without noise control."""
@@ -38,9 +40,9 @@ def noise_control(
         name: Scene(
             sand=sands.sand(sand, void_ratio),
             walls=Walls(kind="smooth"),
-            grid=Mesh(cell_size_m=cell_size),
+            grid=Mesh(cell_size_m=cell_size, shape=shape),
             flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
-            method=Method(noise_control=name),
+            method=Method(noise_control=name, **method),
             machine=Machine(threads=1),
         )
         for name in ("none", "column")

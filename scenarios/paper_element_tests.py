@@ -44,6 +44,8 @@ TITLES = {
 def paper_element_tests(
     sand: cli.SandFlag = "karlsruhe",
     void_ratios: Annotated[str, Option(help="initial void ratios [-], separated by commas")] = "0.60,0.75,0.90",
+    shape: cli.ShapeFlag = "ugimp",
+    method: cli.MethodFlags = None,
     output: Annotated[Path, Option(help="folder; one CSV a curve, figures and a table")] = Path(
         "outputs/element_tests"
     ),
@@ -56,7 +58,9 @@ def paper_element_tests(
     for e in wanted:  # refused before anything is written
         for test, (pressures, _) in FIGURES.items():
             for p in pressures:
-                ElementScene(test=test, sand=sands.sand(sand, e), pressure_Pa=p, strain=FIGURES[test][1])
+                ElementScene(
+                    test=test, sand=sands.sand(sand, e), pressure_Pa=p, strain=FIGURES[test][1], shape=shape, **method
+                )
     (output / "curves").mkdir(parents=True, exist_ok=True)
     (output / "figures").mkdir(exist_ok=True)
     cases = [
@@ -67,7 +71,8 @@ def paper_element_tests(
         for through in ("point", "mpm")
     ]
     with ProcessPoolExecutor(cores()) as workers:
-        curves = dict(zip(cases, workers.map(compute, cases, [sand] * len(cases)), strict=True))
+        variants = [{"shape": shape, **method}] * len(cases)
+        curves = dict(zip(cases, workers.map(compute, cases, [sand] * len(cases), variants), strict=True))
     for (test, e, p, through), curve in curves.items():
         name = f"{test}_e{e:.2f}_{p / 1e3:g}kPa_{through}.csv"
         curve.to_csv(output / "curves" / name, index=False, float_format="%.9g")
@@ -81,12 +86,12 @@ def paper_element_tests(
         print(file)
 
 
-def compute(case: tuple, sand: str) -> pd.DataFrame:
+def compute(case: tuple, sand: str, method: dict) -> pd.DataFrame:
     """One curve."""
     test, e, p, through = case
     runtime.init()
     scene = ElementScene(
-        test=test, sand=sands.sand(sand, e), pressure_Pa=p, strain=FIGURES[test][1], through=through
+        test=test, sand=sands.sand(sand, e), pressure_Pa=p, strain=FIGURES[test][1], through=through, **method
     )  # fmt: skip
     return pd.DataFrame(curve_of(scene), columns=COLUMNS)
 

@@ -45,7 +45,8 @@ def plane_strain_compression(
     speed: Annotated[float, Option(help="of the upper plate [m/s]")] = 0.05,
     shortening: Annotated[float, Option(help="at the end, u / height [-]")] = 0.05,
     noise_control: Annotated[str, Option(help="column | none")] = "column",
-    time_step: Annotated[float | None, Option(help="[s]; from the sand's own stiffness if not given")] = None,
+    shape: cli.ShapeFlag = "ugimp",
+    method: cli.MethodFlags = None,
     threads: Annotated[int, Option(help="CPU threads")] = 1,
     study: Annotated[Literal[(*STUDIES, "all")] | None, Option(help="run all cases of one figure")] = None,
     output: Annotated[Path | None, Option(help="folder; outputs/... if not given")] = None,
@@ -57,7 +58,7 @@ def plane_strain_compression(
         points_per_cell=points_per_cell, weak_void_ratio=weak_void_ratio,
         weak_height=weak_height, speed_m_per_s=speed, shortening=shortening,
         averaging=Averaging(characteristic_length_m=characteristic_length, weight=weight),
-        noise_control=noise_control, time_step_s=time_step, machine=Machine(threads=threads),
+        noise_control=noise_control, shape=shape, machine=Machine(threads=threads), **method,
     )  # fmt: skip
     if study is not None:
         if scene.model_copy(update={"machine": Machine()}) != BiaxialScene(machine=Machine()):

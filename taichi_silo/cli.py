@@ -1,5 +1,7 @@
 """What the scenario scripts share: a command line that says in one sentence what is wrong."""
 
+import functools
+import inspect
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -10,7 +12,9 @@ from pydantic import ValidationError
 from rich.console import Console
 
 from taichi_silo.faults import BadInput, RunFailed
+from taichi_silo.shapes import SHAPES
 from taichi_silo.table import one_sentence
+from taichi_silo.transfers import TRANSFERS
 
 BAD_INPUT, FAILED, STOPPED = 2, 1, 130
 
@@ -30,6 +34,58 @@ LengthFlag = Annotated[
 WeightFlag = Annotated[
     str, typer.Option(help="of the non-local average: gaussian | exponential (as printed in the paper)")
 ]
+ShapeFlag = Annotated[str, typer.Option(help="shape functions: " + " | ".join(SHAPES))]
+MethodFlags = dict  # a scenario's parameter of this type stands for the flags below, and gets the values of Variant
+METHOD_FLAGS = {
+    "transfer": (str, "flip", "grid to points: " + " | ".join(TRANSFERS)),
+    "pic_share": (float, 0.05, "of PIC in each step, with --transfer blend [-]"),
+    "stress_update": (str, "last", "last | first | modified (last, from velocities sent to the nodes once more)"),
+    "filter": (str, "none", "of the stresses: none | null-space (a projection) | smoothing (what the authors used)"),
+    "time_step": (str, "auto", "auto, from the sand's own stiffness, or seconds"),
+    "cfl": (float | None, None, "time step over h / (c + |v|) [-]; the shape's own limit if not given"),
+    "mass_scaling": (float, 1.0, "factor of inertia, not of weight [-]: fewer steps, a faster flow in effect"),
+}
+
+
+def with_method_flags(function: Callable) -> Callable:
+    """The function with its parameter of type MethodFlags, if it has one, spread into METHOD_FLAGS."""
+    signature = inspect.signature(function)
+    name = next((p.name for p in signature.parameters.values() if p.annotation is MethodFlags), None)
+    if name is None:
+        return function
+    only = inspect.Parameter.KEYWORD_ONLY
+    flags = [
+        inspect.Parameter(flag, only, default=default, annotation=Annotated[kind, typer.Option(help=words)])
+        for flag, (kind, default, words) in METHOD_FLAGS.items()
+    ]
+    others = [p.replace(kind=only) for p in signature.parameters.values() if p.name != name]
+
+    @functools.wraps(function)
+    def spread(**values):
+        method = {flag: values.pop(flag) for flag in METHOD_FLAGS}
+        method["stress_filter"] = method.pop("filter")
+        method["time_step_s"] = _seconds(method.pop("time_step"))
+        return function(**values, **{name: method})
+
+    spread.__signature__ = signature.replace(parameters=others + flags)
+    spread.__annotations__ = {p.name: p.annotation for p in others + flags}
+    return spread
+
+
+def flags_of(method: dict) -> dict[str, object]:
+    """The flags that a scenario was given for the method, to hand on to another."""
+    names = {"stress_filter": "filter", "time_step_s": "time_step"}
+    given = {names.get(name, name): value for name, value in method.items() if value is not None}
+    return {f"--{name.replace('_', '-')}": value for name, value in given.items()}
+
+
+def _seconds(word: str) -> float | None:
+    if word == "auto":
+        return None
+    try:
+        return float(word)
+    except ValueError as error:
+        raise BadInput(f"time step is {word}; it must be auto, or a number of seconds above 0") from error
 
 
 def command(function: Callable) -> None:
@@ -38,7 +94,7 @@ def command(function: Callable) -> None:
     The function's parameters, typer options, are the flags; an unknown flag is refused with the nearest known one.
     """
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
-    app.command()(function)
+    app.command()(with_method_flags(function))
     try:
         sys.exit(app(standalone_mode=False) or 0)
     except typer.BadParameter as error:

@@ -29,10 +29,15 @@ class NoiseControl:
     relaxation: float = 0.0
 
     @classmethod
-    def for_column(cls, period_s: float) -> "NoiseControl":
-        """Scaled to the slowest mode of the column, of the given period 4 H / c [s]."""
+    def for_column(cls, period_s: float, slenderness: float = 1.0) -> "NoiseControl":
+        """Scaled to the slowest mode of the column, of the given period 4 H / c [s].
+
+        Friction feeds that mode the more, the more wall there is for the sand: up to a height of four widths the drag
+        suffices as it is, beyond it grows with height over width (`slenderness`).
+        """
         rate = 0.16 * 2.0 * math.pi / period_s
-        return cls(drag=rate, memory_time=2.5 * period_s, filling_drag=rate, relaxation=rate)
+        drag = rate * max(1.0, 0.25 * slenderness)
+        return cls(drag=drag, memory_time=2.5 * period_s, filling_drag=drag, relaxation=rate)
 
     @classmethod
     def for_specimen(cls, period_s: float, cell_transit_s: float) -> "NoiseControl":

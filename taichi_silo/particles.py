@@ -3,7 +3,7 @@
 import numpy as np
 import taichi as ti
 
-from taichi_silo.runtime import real
+from taichi_silo.runtime import real, real_place
 
 
 @ti.data_oriented
@@ -35,18 +35,18 @@ class Particles:
         self.count, self.loads = count, 0
         self.names = self.NAMES + extra
         for name in self.names:
-            width = self.WIDTHS.get(name)
-            setattr(self, name, ti.Vector.field(width, real) if width else ti.field(real))
+            width, kind = self.WIDTHS.get(name), real_place if name == "position" else real
+            setattr(self, name, ti.Vector.field(width, kind) if width else ti.field(kind))
         # one record a point: a point's data lie in two neighbouring cache lines
         ti.root.dense(ti.i, count).place(*(getattr(self, name) for name in self.names))
         self.active = ti.field(ti.i32, shape=())
         self.active[None] = count
 
-    @classmethod
-    def for_method(cls, count: int, law, shape, transfer) -> "Particles":
-        """With the fields that a law, a shape and a transfer ask for."""
+    @staticmethod
+    def extras(law, shape, transfer) -> tuple[str, ...]:
+        """Names of the fields that a law, a shape and a transfer ask for."""
         wanted = (law.REMEMBERS, "intergranular"), (shape.DOMAIN, "domain"), (transfer.GRADIENT != "none", "affine")
-        return cls(count, tuple(name for asked, name in wanted if asked))
+        return tuple(name for asked, name in wanted if asked)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All fields as arrays, first axis the active points."""

@@ -279,5 +279,7 @@ def respond(particles: ti.template(), law: ti.template(), p, D, spin, length, d_
     particles.stress[p] = ti.Vector([s0, s1, s2, s3])
     if ti.static(law.REMEMBERS):
         particles.intergranular[p] = ti.Vector([h0, h1, h2, h3])
-    particles.volume[p] = volume * growth((D[0] + D[1] + D[2]) * dt)
+    # separated grains fly apart, but land as loosely packed sand, not as less
+    most = (1.0 + law.loosest) * particles.mass[p] / law.grain_density
+    particles.volume[p] = ti.min(volume * growth((D[0] + D[1] + D[2]) * dt), most)
     particles.path[p] += length * dt

@@ -107,7 +107,8 @@ class Simulation:
         self.period = 4.0 * scene.silo.height_m / self.wave_speed
         if control is None:
             on = scene.method.noise_control == "column"
-            control = NoiseControl.for_column(self.period) if on else NoiseControl()
+            slenderness = scene.silo.height_m / scene.silo.width_m
+            control = NoiseControl.for_column(self.period, slenderness) if on else NoiseControl()
         self.control = control
 
         room = max(HEADROOM * scene.silo.height_m, scene.flow.displacement_m + 2.0 * h)
@@ -127,7 +128,7 @@ class Simulation:
         columns, rows = round(scene.silo.width_m / d), round(scene.silo.height_m / d)
         x, y = np.meshgrid((np.arange(columns) + 0.5) * d, (np.arange(rows) + 0.5) * d)
         count = columns * rows
-        particles = Particles.for_method(count, self.law, self.shape, self.transfer)
+        particles = Particles(count, Particles.extras(self.law, self.shape, self.transfer))
         state = {
             "position": np.stack([x.ravel(), y.ravel()], axis=1),
             "velocity": np.zeros((count, 2)),

@@ -74,7 +74,7 @@ class Specimen:
         shape = SHAPES[shape](0.5 / per_axis)
         e = np.broadcast_to(np.asarray(void_ratio, dtype=float), count)
         volume = spacing**2 * geometry.depth(place[:, 0])
-        self.particles = Particles.for_method(count, law, shape, self.variant.transfer_of_points())
+        self.particles = Particles(count, Particles.extras(law, shape, self.variant.transfer_of_points()))
         state = {
             "position": place,
             "velocity": np.zeros((count, 2)),

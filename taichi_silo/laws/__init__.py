@@ -15,6 +15,8 @@ The contract of a law, a frozen dataclass (so that equal laws share one compiled
     degree of the rate as a homogeneous function of the stress (0 where it does not depend on it).
 `grain_density`
     [kg/m3].
+`loosest`
+    the greatest void ratio that a point is given; sand that separates further keeps it.
 `REMEMBERS`
     whether the points carry a tensor h of past strain for it. If so, also `radius` (the bound of |h|),
     `memory_rate(h, D)`, its Jaumann rate, and `remembered(h)`, h pulled back to its bound.

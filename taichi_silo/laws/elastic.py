@@ -16,6 +16,8 @@ class Elastic:
     grain_density: float = 2650.0
     rest_stress: float = 0.0
 
+    loosest: float = 1e30
+
     REMEMBERS = False
     degree = 0.0
 

@@ -49,6 +49,11 @@ class GudehusBauer:
     REMEMBERS = False
 
     @property
+    def loosest(self) -> float:
+        """Limit of the void ratio without stress."""
+        return self.e_i0
+
+    @property
     def degree(self) -> float:
         """Of the rate as a homogeneous function of the stress, in the limit of small stress."""
         return 1.0 - self.n

@@ -71,7 +71,7 @@ def march(law: ti.template(), stress, h, void_ratio, D, spin, d_bar, dt, rate):
             0.5 * step * norm(added(rate_after, (r0, r1, r2, r3), -1.0)) / size_of(law, (s0, s1, s2, s3)),
             change_of_memory(law, added(h_rate_after, h_rate, -1.0), 0.5 * step),
         )
-        if error <= LOCAL_ERROR or part <= SMALLEST_PART:
+        if not error > LOCAL_ERROR or part <= SMALLEST_PART:  # an error that is no number ends the march as well
             both = added((r0, r1, r2, r3), rate_after, 1.0)
             s0, s1, s2, s3 = law.admissible(added((s0, s1, s2, s3), both, 0.5 * step), e_after)
             h0, h1, h2, h3 = remembered(law, (h0, h1, h2, h3), added(h_rate, h_rate_after, 1.0), 0.5 * step)

@@ -57,6 +57,11 @@ class Intergranular:
         return self.skeleton.grain_density
 
     @property
+    def loosest(self) -> float:
+        """Of the skeleton."""
+        return self.skeleton.loosest
+
+    @property
     def rest_stress(self) -> float:
         """Of the skeleton [Pa]."""
         return self.skeleton.rest_stress

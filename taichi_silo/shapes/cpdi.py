@@ -6,8 +6,8 @@ import taichi as ti
 
 from taichi_silo.shapes import bound
 
-LONGEST = 1.5  # edge of a domain, in cells
-FLATTEST = 0.1  # sine of the angle between the edges
+LONGEST = 2.0  # edge of a domain, in cells: a corner is at most so far from its point, which the grid's margin holds
+FLATTEST = 0.5  # sine of the angle between the edges
 CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
 
 
@@ -21,8 +21,8 @@ class ConvectedDomain:
     A. Sadeghirad, R. Brannon, J. Burghardt, Int. J. Numer. Meth. Eng. 86 (2011) 1435-1456, with the edges of the
     whole domain. So every corner is a patch of 2 x 2 hats; its vector goes into the derivatives.
 
-    The guard: an edge longer than 1.5 cells is shortened (a corner must not reach through a wall into sand that moves
-    otherwise), and a parallelogram that is folded, or flatter than sin = 0.1, becomes a square of its area.
+    The guard: an edge longer than 2 cells is shortened (a corner must not reach through a wall, or into sand that moves
+    otherwise), and a parallelogram that is folded, or whose edges are closer than 30 deg, becomes a square of its area.
     """
 
     half_size: float = 0.5

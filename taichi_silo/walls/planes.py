@@ -19,6 +19,8 @@ class PlaneWall:
     node : index of the grid line along `axis`.
     contact : how it acts.
     motion : its velocity as a multiple, along x and y, of the plate velocity of the step; (0, 0) stands still.
+    opening : nodes along the wall, the first and the last, between which it is open; the wall is then a plate one cell
+        thick. The two nodes themselves are its edges and hold.
 
     """
 
@@ -28,12 +30,23 @@ class PlaneWall:
     node: int
     contact: Coulomb | NoSlip | Glide | Grip
     motion: tuple[float, float] = (0.0, 0.0)
+    opening: tuple[int, int] | None = None
+
+    @property
+    def partial(self) -> bool:
+        """Whether it has an opening."""
+        return self.opening is not None
 
     @ti.func
     def holds(self, i, j):
         """Whether node (i, j) lies on the wall or beyond."""
         place = ti.select(self.axis == 0, i, j)
-        return (place - self.node) * self.side >= 0
+        beyond = (place - self.node) * self.side
+        held = beyond >= 0
+        if ti.static(self.partial):
+            along = self.slot(i, j)
+            held = held and beyond <= 1 and (along <= self.opening[0] or along >= self.opening[1])
+        return held
 
     @ti.func
     def slot(self, i, j):

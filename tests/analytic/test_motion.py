@@ -8,8 +8,8 @@ import pytest
 from taichi_silo.laws import Elastic
 from taichi_silo.noise import NoiseControl
 from taichi_silo.shapes import Linear, UniformGimp
+from taichi_silo.stability.bodies import block, change, solver
 from taichi_silo.walls import Coulomb, NoSlip, PlaneWall
-from tests.blocks import block, change, solver
 
 G = 9.81
 BOTH_SHAPES = [Linear(), UniformGimp(0.5)]

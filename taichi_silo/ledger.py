@@ -1,0 +1,35 @@
+"""The sand that has left: what passes the exit is taken out of the points and kept in the books."""
+
+import numpy as np
+
+from taichi_silo.particles import Particles
+
+
+class Ledger:
+    """Takes out the points below a height.
+
+    Parameters
+    ----------
+    particles : the points.
+    exit_m : height in the frame of the grid below which a point has left [m].
+
+    """
+
+    def __init__(self, particles: Particles, exit_m: float):
+        self.particles, self.exit = particles, exit_m
+        self.mass = 0.0  # that has left [kg/m]
+        self.momentum = np.zeros(2)  # that left with it [N s/m]
+        self.points = 0
+
+    def settle(self) -> float:
+        """Take out what has passed the exit since the last time; its mass [kg/m]."""
+        arrays = self.particles.arrays()
+        gone = arrays["position"][:, 1] < self.exit
+        if not gone.any():
+            return 0.0
+        left = float(arrays["mass"][gone].sum())
+        self.mass += left
+        self.momentum += arrays["mass"][gone] @ arrays["velocity"][gone]
+        self.points += int(gone.sum())
+        self.particles.load({name: values[~gone] for name, values in arrays.items()})
+        return left
