@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.averaging import NonLocal
+from taichi_silo.faults import RunFailed
 from taichi_silo.grid import MARGIN, Grid
 from taichi_silo.laws.stress_point import wave_speed
 from taichi_silo.noise import NoiseControl
@@ -221,6 +222,8 @@ class Simulation:
         reaction, control = solver.books.take()  # waits for the device
         self.stepping_seconds += time.perf_counter() - begun
         after = solver.survey()
+        if after.strays:
+            raise RunFailed(self._astray(after.strays, dt))
         self.time += duration
         self.displacement -= 0.5 * (plate_velocity[0] + plate_velocity[1]) * duration
         self.steps += steps
@@ -257,6 +260,19 @@ class Simulation:
         arrays["position"] = arrays["position"] - np.array([0.0, self.displacement])
         arrays["void_ratio"] = arrays["volume"] * self.law.grain_density / arrays["mass"] - 1.0
         return arrays
+
+    def _astray(self, count: int, dt: float) -> str:
+        points = self.points()
+        first = int(np.argmin(self.inside(points)))
+        x, y = points["position"][first]
+        if not np.isfinite(x + y):  # where it is cannot be said, but where it was filled in
+            across = round(self.scene.silo.width_m / self.spacing)
+            x, y = (first % across + 0.5) * self.spacing, (first // across + 0.5) * self.spacing
+        return (
+            f"after t = {self.time:.4f} s ({self.stage}, u = {1e3 * self.displacement:.3f} mm) {count} points left the "
+            f"silo or are not finite, one near x = {1e3 * x:.1f} mm, y = {1e3 * y:.1f} mm; a time step too large is "
+            f"the likely cause (it was {1e6 * dt:.1f} us)"
+        )
 
     def inside(self, points: dict[str, np.ndarray]) -> np.ndarray:
         """Which of `points()` are finite and within the grid less its margin."""

@@ -17,7 +17,8 @@ class Snapshots(Observer):
     Parameters
     ----------
     folder : of the run.
-    displacements_m : at which to write; the start, the end of filling and the end of the run are always written.
+    displacements_m : at which to write; the start, the end of filling and the end of the run are always written. Points
+        that are not finite are left out.
 
     """
 
@@ -52,6 +53,8 @@ class Snapshots(Observer):
     def _write(self, name: str) -> None:
         simulation = self.simulation
         points = simulation.points()
+        sound = np.all([np.isfinite(values.reshape(len(values), -1)).all(axis=1) for values in points.values()], axis=0)
+        points = {name: values[sound] for name, values in points.items()}
         count = len(points["mass"])
         place = np.column_stack([points["position"], np.zeros(count)])
         xx, yy, zz, xy = points["stress"].T

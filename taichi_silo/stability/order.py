@@ -115,9 +115,9 @@ def slope(errors: dict[int, float]) -> float:
     return math.log(errors[first] / errors[last]) / math.log(last / first)
 
 
-def studies(full: bool = True) -> dict[str, dict[str, dict[int, float]]]:
+def data(full: bool = True) -> dict[str, dict[str, dict[int, float]]]:
     """Errors by solution, method and number of cells."""
-    fine, wide = ((8, 16, 32, 64), (16, 32, 64)) if full else ((8, 32), (16, 32))
+    fine, wide = ((8, 16, 32, 64), (12, 24, 48)) if full else ((8, 32), (16, 32))
     names = SHAPES if full else ("linear", "ugimp", "cpdi")
     found = {
         "small swing": {name: {n: bar(SHAPES[name](0.25), n, 1e-4) for n in fine} for name in names},
@@ -136,7 +136,7 @@ def studies(full: bool = True) -> dict[str, dict[str, dict[int, float]]]:
 
 def cells(full: bool = True) -> list[Cell]:
     """Slopes, and the errors on the finest grid."""
-    return cells_from(studies(full))
+    return cells_from(data(full))
 
 
 def cells_from(found: dict) -> list[Cell]:
