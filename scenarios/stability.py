@@ -22,7 +22,7 @@ from matplotlib import rc_context
 from typer import Option
 
 from taichi_silo import cli, runtime
-from taichi_silo.faults import BadInput
+from taichi_silo.faults import BadInput, RunFailed
 from taichi_silo.plots.stability import matrix, order_figure, page, ratcheting_figure
 from taichi_silo.plots.style import STYLE
 from taichi_silo.scene import cores
@@ -46,6 +46,7 @@ def stability(
     parts.mkdir(parents=True, exist_ok=True)
     wanted = [name for name in names if overwrite or not (parts / f"{name}.csv").exists()]
     wanted.sort(key=lambda name: -MODES[name])  # the longest first, so that no core waits for it at the end
+    lost = []
     begun, done, whole = time.monotonic(), 0.0, sum(MODES[name] for name in wanted)
     with ProcessPoolExecutor(max(1, min(len(wanted), cores())), max_tasks_per_child=1) as workers:
         jobs = {workers.submit(leave, name, not quick, parts): name for name in wanted}
@@ -53,8 +54,13 @@ def stability(
             name = jobs[job]
             done += MODES[name]
             left = (time.monotonic() - begun) * (whole - done) / done
-            print(f"{100 * done / whole:5.1f} %  {name:14s} {job.result():32s} {left / 60:5.1f} min left", flush=True)
+            if job.exception() is not None:
+                lost.append(f"{name}: {job.exception()}")
+            words = lost[-1] if job.exception() else job.result()
+            print(f"{100 * done / whole:5.1f} %  {name:14s} {words:32s} {left / 60:5.1f} min left", flush=True)
     draw(output, parts)
+    if lost:
+        raise RunFailed(f"in {len(lost)} of {len(wanted)} modes, the first being {lost[0]}")
 
 
 def leave(name: str, full: bool, parts: Path) -> str:

@@ -15,6 +15,7 @@ from taichi_silo.observers.movie import Movie
 from taichi_silo.observers.profiles import WallProfiles
 from taichi_silo.observers.snapshots import Snapshots
 from taichi_silo.observers.summary import Summary
+from taichi_silo.observers.watch import Watch
 from taichi_silo.scene import Scene
 from taichi_silo.simulation import Simulation
 
@@ -58,6 +59,7 @@ def run(scene: Scene, folder: Path, *, overwrite: bool = False, film: bool = Tru
         Checkpoint(folder / "checkpoint.npz"),
         summary,
         *([Movie(folder / "void_ratio.mp4")] if film else []),
+        Watch(),
         *extra,
         Guard(),  # last: the others have seen what it stops at
     ]

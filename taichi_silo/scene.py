@@ -222,6 +222,11 @@ class Machine(Table):
             if it cannot be used.
 
         """
+        if runtime.PRECISION != "f64":
+            raise BadInput(
+                f"TAICHI_SILO_PRECISION is {runtime.PRECISION}; runs need f64: in f32 sand that sinks at 0.1 mm/s "
+                "stands still, and void ratios drift"
+            )
         try:
             runtime.init(self.arch, self.threads)
         except runtime.ArchitectureError as error:

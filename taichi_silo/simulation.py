@@ -18,6 +18,7 @@ from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
 from taichi_silo.solver import Solver
 from taichi_silo.walls import Coulomb, NoSlip, PlaneWall
+from taichi_silo.weaknesses import weaknesses
 
 LEFT, RIGHT, BOTTOM = 0, 1, 2
 ROWS_PER_PERIOD = 10  # rows of forces.csv in one period of the column
@@ -88,6 +89,7 @@ class Simulation:
 
     def __init__(self, scene: Scene, control: NoiseControl | None = None):
         self.scene = scene
+        self.warnings = weaknesses(scene)  # sentences on what is known, and what observers find
         # mass scaling: heavier grains under a smaller gravity have the same weight
         self.law = scene.sand.constitutive_law(scene.method.mass_scaling)
         self.gravity = scene.method.gravity_m_per_s2 / scene.method.mass_scaling

@@ -70,19 +70,35 @@ def _state_measures(filled: dict, final: dict, scene) -> dict:
     mass = filled["mass"]
     growth = final["void_ratio"] - filled["void_ratio"]
     path = final["path"] - filled["path"]
-    still = below & (net_shear(filled["position"], final["position"]) < UNSHEARED)
+    still = _unsheared(filled, final, below)
     found = {
         "mean_void_ratio_drift": float(np.average(growth[below], weights=mass[below])),
         "core_strain_path": float(np.average(path[core], weights=mass[core])),
         "unsheared_share": float(still.sum() / below.sum()),
     }
     if still.any():
-        found["unexplained_densification"] = float(-np.average(growth[still], weights=mass[still]))
+        found["unexplained_densification"] = unexplained_densification(filled, final, scene)[0]
     seconds = final["time_s"] - filled["time_s"]
     pressure = np.maximum(-final["stress"][:, :3].sum(axis=1) / 3.0, 1.0)
     inertial = np.sqrt(2.0) * path / seconds * scene.sand.d50_m * np.sqrt(scene.sand.grain_density_kg_per_m3 / pressure)
     found["inertial_number_99th_percentile"] = float(np.percentile(inertial[below], 99))
     return found
+
+
+def _unsheared(filled: dict, now: dict, below: np.ndarray) -> np.ndarray:
+    return below & (net_shear(filled["position"], now["position"]) < UNSHEARED)
+
+
+def unexplained_densification(filled: dict, now: dict, scene) -> tuple[float, int]:
+    """Mean loss of void ratio of the sand that has not been sheared since `filled`, and the point that lost most.
+
+    Both are states of the points (`Simulation.points`). Nothing is lost where all sand has been sheared.
+    """
+    still = _unsheared(filled, now, filled["position"][:, 1] < SURFACE * scene.silo.height_m)
+    if not still.any():
+        return 0.0, 0
+    loss = np.where(still, filled["void_ratio"] - now["void_ratio"], -np.inf)
+    return float(np.average(loss[still], weights=filled["mass"][still])), int(np.argmax(loss))
 
 
 def noise(force: pd.Series, interval_s: pd.Series, span_s: float) -> float:

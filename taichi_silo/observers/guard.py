@@ -7,6 +7,7 @@ from taichi_silo.observers import Observer
 
 LONGEST_STEP = 1.5  # over the stable one; beyond, sand ratchets long before it explodes
 DENSEST = 0.9  # of e_d0: no sand is denser
+FASTEST = 0.3  # of the wave speed: sand that falls through the whole silo stays far below
 MOST_SEPARATED = 0.5  # of the points: more, and the fill is falling apart
 
 
@@ -34,6 +35,12 @@ class Guard(Observer):
                 f"{when} the time step of {1e6 * record.time_step_s:.1f} us is above {LONGEST_STEP} times the stable "
                 f"one of {1e6 * record.stable_step_s:.1f} us; {advice}"
             )
+        if record.speed_m_per_s > FASTEST * self.simulation.wave_speed:
+            raise RunFailed(
+                f"{when} a point near {self._where('fastest')} moves at {record.speed_m_per_s:.1f} m/s, more than "
+                f"{FASTEST} of the speed of waves in the sand; the computation is exploding (a smaller time step, "
+                "another shape than linear?)"
+            )
         densest = DENSEST * self.simulation.scene.sand.e_d0
         if record.void_ratio_low < densest:
             raise RunFailed(
@@ -48,6 +55,11 @@ class Guard(Observer):
 
     def _where(self, what: str) -> str:
         points = self.simulation.points()
-        index = int((np.argmin if what == "densest" else np.argmax)(points["void_ratio"]))
+        measure = {
+            "densest": lambda: -points["void_ratio"],
+            "loosest": lambda: points["void_ratio"],
+            "fastest": lambda: np.hypot(*points["velocity"].T),
+        }[what]
+        index = int(np.argmax(measure()))
         x, y = points["position"][index]
         return f"x = {1e3 * x:.1f} mm, y = {1e3 * y:.1f} mm"

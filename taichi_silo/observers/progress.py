@@ -23,6 +23,8 @@ class ProgressLine(Observer):
         """Estimate the whole in simulated seconds."""
         scene = simulation.scene
         self.console.print(simulation.about_averaging, highlight=False, soft_wrap=True)
+        self.simulation, self.told = simulation, 0
+        self._warn()
         ramp = 0.5 * RAMP_PERIODS * simulation.period
         self.total = (
             simulation.filling_time + 5.0 * simulation.period + ramp
@@ -39,7 +41,8 @@ class ProgressLine(Observer):
             self.bar.start()
 
     def observe(self, record) -> None:
-        """Show the present state."""
+        """Show the present state, and what has been noticed."""
+        self._warn()
         now = (record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
         if self.forces is None:
             self.forces = now
@@ -57,6 +60,11 @@ class ProgressLine(Observer):
         elif part >= self.printed + LINE_EVERY:
             self.printed = part
             self.console.print(f"{100 * part:5.1f} %  {text}", highlight=False, soft_wrap=True)
+
+    def _warn(self) -> None:
+        for sentence in self.simulation.warnings[self.told :]:
+            self.console.print(f"Warning: {sentence}", highlight=False, soft_wrap=True)
+        self.told = len(self.simulation.warnings)
 
     def end(self) -> None:
         """Leave the last state on the screen."""

@@ -54,6 +54,8 @@ class Summary(Observer):
         simulation, seconds = self.simulation, time.monotonic() - self.started
         scene, records = simulation.scene, pd.DataFrame(self.records)
         found = {"finished": self.failure is None, "averaging": simulation.about_averaging}
+        if simulation.warnings:
+            found["warnings"] = simulation.warnings
         if self.failure is not None:
             found["failure"] = self.failure
         if not records.empty:

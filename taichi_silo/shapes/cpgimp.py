@@ -47,7 +47,8 @@ class ContiguousGimp:
         s0, g0 = (self.ramp(b) - self.ramp(a)) * per, (self.hat(b) - self.hat(a)) * per
         s1, g1 = (self.ramp(b - 1.0) - self.ramp(a - 1.0)) * per, (self.hat(b - 1.0) - self.hat(a - 1.0)) * per
         s3, g3 = self.ramp(b - 3.0) * per, self.hat(b - 3.0) * per
-        return base, (s0, s1, 1.0 - s0 - s1 - s3, s3), (g0, g1, 0.0 - g0 - g1 - g3, g3)
+        # a weight below zero by round-off would make a nodal mass below zero
+        return base, (s0, s1, ti.max(1.0 - s0 - s1 - s3, 0.0), s3), (g0, g1, 0.0 - g0 - g1 - g3, g3)
 
     @ti.func
     def patch(self, number: ti.template(), x, y, domain):

@@ -32,7 +32,7 @@ METHODS = {  # method, law, noise control where it is not the scene's own
     "intergranular + default": ({"noise_control": "column"}, "intergranular", None),
 }
 LOST = dict.fromkeys(("filled", "shaken", "shaken_void", "flow_void", "flow_path", "noise", "steady"), math.inf) | {
-    "time": [0.0], "normal": [math.inf], "janssen": 1.0,
+    "shaken": -math.inf, "time": [0.0], "normal": [math.inf], "janssen": 1.0,
 }  # fmt: skip
 QUICK = ("drag to the mean (default)", "no control")
 

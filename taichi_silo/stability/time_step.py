@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from taichi_silo.faults import RunFailed
 from taichi_silo.laws import Elastic
 from taichi_silo.particles import Particles
 from taichi_silo.scene import Flow, Mesh, Method, Scene, Silo, Walls
@@ -74,27 +75,20 @@ def explosion(shape, per_axis: int, sliver: bool) -> dict[str, float]:
     return {"h / c": limit * SPEED / CELL} | {name: limit / step for name, step in case.criteria().items()}
 
 
-def coarse_silo(cfl: float, points_per_cell: int = 1) -> dict[str, float]:
-    """Dense sand between smooth walls on 10 mm cells, filled and lowered by 1 mm with a given time step.
-
-    Returns
-    -------
-    normal: N in flow [N/m]; path: path length of the strain in the core during the flow [-].
-
+def coarse_silo(cfl: float, points_per_cell: int = 1) -> float:
+    """N in flow [N/m] of dense sand between smooth walls on 10 mm cells, lowered by 1 mm; inf if the run fails.
+    The time step is `cfl` times h / (c + |v|).
     """
     scene = Scene(
         silo=Silo(width_m=0.1, height_m=0.3), walls=Walls(kind="smooth"),
         grid=Mesh(cell_size_m=0.01, points_per_cell=points_per_cell),
         flow=Flow(speed_m_per_s=0.005, displacement_m=0.001), method=Method(cfl=cfl),
     )  # fmt: skip
-    simulation = Simulation(scene)
-    for _record in simulation.fill():
-        pass
-    before = simulation.particles.arrays()["path"]
-    rows = [record.normal_N_per_m for record in simulation.flow()]
-    core = simulation.points()["position"][:, 1] < 0.2
-    grown = simulation.particles.arrays()["path"] - before
-    return {"normal": float(np.mean(rows[-10:])), "path": float(grown[core].mean())}
+    try:
+        rows = [record.normal_N_per_m for record in Simulation(scene).run()]
+    except RunFailed:
+        return math.inf
+    return float(np.mean(rows[-10:]))
 
 
 def silence(points_per_cell: int, factors=(0.5, 0.95, 1.2, 1.5, 1.8, 2.1, 2.5, 3.0)) -> tuple[float, float]:
@@ -103,7 +97,7 @@ def silence(points_per_cell: int, factors=(0.5, 0.95, 1.2, 1.5, 1.8, 2.1, 2.5, 3
     reference, right, alive = None, 0.0, 0.0
     still_right = True
     for factor in factors:
-        normal = coarse_silo(factor * fraction, points_per_cell)["normal"]
+        normal = coarse_silo(factor * fraction, points_per_cell)
         if not math.isfinite(normal):
             break
         alive = factor
@@ -111,6 +105,25 @@ def silence(points_per_cell: int, factors=(0.5, 0.95, 1.2, 1.5, 1.8, 2.1, 2.5, 3
         still_right = still_right and abs(normal / reference - 1.0) < 0.01
         right = factor if still_right else right
     return right, alive
+
+
+def scaled_silo(factor: float) -> dict[str, float]:
+    """Dense sand between very rough walls on 20 mm cells, lowered by 2 mm at 2 mm/s, with mass scaling.
+
+    Returns
+    -------
+    P, T, N at u = 1.5 to 2 mm [N/m], and steps.
+
+    """
+    scene = Scene(
+        grid=Mesh(cell_size_m=0.02), flow=Flow(speed_m_per_s=0.002, displacement_m=0.002),
+        method=Method(mass_scaling=factor),
+    )  # fmt: skip
+    simulation = Simulation(scene)
+    rows = [record for record in simulation.run() if record.displacement_m > 0.0015]
+    names = {"P": "bottom_N_per_m", "T": "shear_N_per_m", "N": "normal_N_per_m"}
+    found = {key: float(np.mean([getattr(record, name) for record in rows])) for key, name in names.items()}
+    return found | {"steps": simulation.steps}
 
 
 def cells(full: bool = True) -> list[Cell]:
@@ -126,6 +139,13 @@ def cells(full: bool = True) -> list[Cell]:
                 bound = 0.4 if measure == "h / c" else 0.99  # bisected to 1 %
                 values = {name: limit[measure] for name, limit in limits.items()}
                 found += cells_of(MODE, words, "-", ">=", bound, values)
+    scaled = {factor: scaled_silo(factor) for factor in ((1, 10, 100, 1000) if full else ())}
+    for force in ("P", "T", "N") if full else ():
+        values = {
+            f"{factor} times the mass": abs(forces[force] / scaled[1][force] - 1.0)
+            for factor, forces in scaled.items() if factor > 1
+        }  # fmt: skip
+        found += cells_of(MODE, f"mass scaling: change of {force}, very rough walls, 2 mm/s", "-", "<=", 0.02, values)
     for number in (1, 4) if full else ():
         right, alive = silence(number)
         words = f"{number} point{'s' * (number > 1)} a cell"

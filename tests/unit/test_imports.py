@@ -15,6 +15,7 @@ LAYERS = [
     ["solver"],
     ["variant"],
     ["scene"],
+    ["weaknesses"],
     ["simulation", "specimen", "sands"],
     ["element", "folder", "ledger", "timestep"],
     ["stability"],

@@ -1,0 +1,39 @@
+"""Notices sand that ratchets while its force curves still look fine."""
+
+from taichi_silo.measure.certificate import unexplained_densification
+from taichi_silo.observers import Observer
+from taichi_silo.simulation import ROWS_PER_PERIOD
+
+EVERY = 2 * ROWS_PER_PERIOD  # records between two looks
+MOST_LOST = 0.003  # of void ratio, without shear that explains it
+
+
+class Watch(Observer):
+    """Adds one sentence to `simulation.warnings` when oscillations have compacted the sand."""
+
+    def begin(self, simulation) -> None:
+        """Remember whom to look at."""
+        self.simulation, self.filled_state, self.count, self.said = simulation, None, 0, False
+
+    def filled(self) -> None:
+        """Keep the state that the flow starts from."""
+        self.filled_state = self.simulation.points()
+
+    def observe(self, record) -> None:
+        """Compare the sand that has not been sheared with its state after filling."""
+        self.count += 1
+        if self.said or self.filled_state is None or self.count % EVERY:
+            return
+        now, scene = self.simulation.points(), self.simulation.scene
+        lost, where = unexplained_densification(self.filled_state, now, scene)
+        if lost > MOST_LOST:
+            self.said = True
+            x, y = now["position"][where]
+            cure = "switch the noise control on"
+            if scene.method.noise_control != "none":
+                cure = "slender silos and fine cells need more control: try larger cells or a slower bottom"
+            self.simulation.warnings.append(
+                f"At t = {record.time_s:.3f} s (u = {1e3 * record.displacement_m:.3f} mm) sand that has not been "
+                f"sheared has lost {lost:.4f} of void ratio since the filling, most of it near x = {1e3 * x:.0f} mm, "
+                f"y = {1e3 * y:.0f} mm: oscillations compact it (ratcheting), and N is too high; {cure}."
+            )
