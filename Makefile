@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup silo four-cases noise element-tests study-biaxial test test-long bench lint clean
+.PHONY: setup silo four-cases noise element-tests study-biaxial stability test test-long bench lint clean
 
 setup: $(READY)
 
@@ -17,7 +17,6 @@ $(READY): pyproject.toml
 # dense sand between very rough walls: film, force curves, figures (some minutes)
 silo: $(READY)
 	$(BIN)/python scenarios/mass_flow.py
-
 
 # the paper's four mass flows side by side
 four-cases: $(READY)
@@ -34,6 +33,10 @@ element-tests: $(READY)
 # plane strain compression: every study of the paper's section 5 (figures 4 to 8), and more
 study-biaxial: $(READY)
 	$(BIN)/python scenarios/plane_strain_compression.py --study all
+
+# where each variant of the method fails: table, figures, page
+stability: $(READY)
+	$(BIN)/python scenarios/stability.py
 
 test: $(READY)
 	$(BIN)/python -m pytest

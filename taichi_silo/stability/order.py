@@ -63,11 +63,11 @@ def bar(shape, cells: int, amplitude: float = 0.05, transfer=None, update: str =
 def ring(shape, cells: int, angle: float = 0.15, turns: float = 0.25) -> float:
     """RMS error of the places in a ring that turns as a whole while its middle runs ahead, over the RMS of the latter.
 
-    Every point X = (R, theta) moves to (R, theta + alpha), alpha = A sin(pi t) g(R) + Omega t, with g = 1 - 32 (R-1)^2 +
-    256 (R-1)^4, whose slope vanishes at both edges (R = 3/4 and 5/4): no stress there. In a frame that turns with it a
-    point is in simple shear gamma = R alpha_R, up to 0.9; under Jaumann's rate that gives sigma_rt = G sin gamma and
-    sigma_tt = -sigma_rr = G (1 - cos gamma) exactly, and b from the equations of motion. Until t = 1/2, when the ring
-    has done `turns` turns. `cells` are those over the unit of length.
+    Every point X = (R, theta) moves to (R, theta + alpha), alpha = A sin(pi t) g(R) + Omega t, with
+    g = 1 - 32 (R-1)^2 + 256 (R-1)^4, whose slope vanishes at both edges (R = 3/4 and 5/4): no stress there. In a frame
+    that turns with it a point is in simple shear gamma = R alpha_R, up to 0.9; under Jaumann's rate that gives
+    sigma_rt = G sin gamma and sigma_tt = -sigma_rr = G (1 - cos gamma) exactly, and b from the equations of motion.
+    Until t = 1/2, when the ring has done `turns` turns. `cells` are those over the unit of length.
     """
     h = 1.0 / cells
     G = LAW.shear_modulus

@@ -27,6 +27,8 @@ METHODS = {  # method, law, noise control where it is not the scene's own
     "gradient": (PLAIN | {"transfer": "gradient"}, "gudehus-bauer", None),
     "stress first": (PLAIN | {"stress_update": "first"}, "gudehus-bauer", None),
     "modified last": (PLAIN | {"stress_update": "modified"}, "gudehus-bauer", None),
+    "stress first + default": ({"stress_update": "first"}, "gudehus-bauer", None),
+    "modified last + default": ({"stress_update": "modified"}, "gudehus-bauer", None),
     "smoothing filter": (PLAIN | {"stress_filter": "smoothing"}, "gudehus-bauer", None),
     "intergranular strain": (PLAIN, "intergranular", None),
     "intergranular + default": ({"noise_control": "column"}, "intergranular", None),

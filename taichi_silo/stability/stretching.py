@@ -13,7 +13,7 @@ from taichi_silo.transfers import Flip
 
 MODE = "2 stretching"
 CELL, RATE, MOST_STRETCH, STEPS = 0.01, 1.0, 12.0, 44
-NEEDED = {False: 6.0, True: 8.0}  # stretch to survive along an axis, along the diagonal: 1.6 times uGIMP's
+NEEDED = {False: 6.0, True: 8.0}  # stretch to survive along an axis, along the diagonal (four points a cell)
 WRONG = 0.1  # relative error of the volume that counts as fracture
 FREE = Elastic(0.0, 0.0)
 
@@ -61,5 +61,5 @@ def cells(full: bool = True) -> list[Cell]:
             reached = {
                 name: stretch_at_fracture(kind(0.5 / per_axis), diagonal, 12, per_axis) for name, kind in shapes.items()
             }
-            found += cells_of(MODE, words, "-", ">=", NEEDED[diagonal], reached)
+            found += cells_of(MODE, words, "-", ">=", 0.5 * per_axis * NEEDED[diagonal], reached)
     return found

@@ -1,0 +1,193 @@
+"""The user's choices of method: flags, files, warnings, mass scaling, and the sand that leaves."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from taichi_silo.faults import RunFailed
+from taichi_silo.ledger import Ledger
+from taichi_silo.observers.guard import Guard
+from taichi_silo.observers.watch import Watch
+from taichi_silo.scene import Flow, Machine, Mesh, Method, Scene, Silo, Walls
+from taichi_silo.shapes import SHAPES
+from taichi_silo.simulation import Simulation
+from taichi_silo.stability.bodies import block
+from taichi_silo.variant import Variant
+from taichi_silo.weaknesses import weaknesses
+
+ROOT = Path(__file__).parents[2]
+COARSE = {"silo": Silo(width_m=0.1, height_m=0.2), "grid": Mesh(cell_size_m=0.02), "machine": Machine(threads=1)}
+
+
+def scenario(name, *flags):
+    command = [sys.executable, str(ROOT / "scenarios" / name), *flags]
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=300)
+
+
+@pytest.mark.parametrize(
+    "name", ["mass_flow.py", "four_cases.py", "noise_control.py", "element_test.py", "paper_element_tests.py",
+             "plane_strain_compression.py"],
+)  # fmt: skip
+def test_every_scenario_offers_every_variant(name):
+    words = scenario(name, "--help").stdout
+    for flag in ("--shape", "--transfer", "--stress-update", "--filter", "--time-step", "--cfl", "--mass-scaling"):
+        assert flag in words
+
+
+@pytest.mark.parametrize(
+    ("flags", "sentence"),
+    [
+        (("--shape", "quadratic"), "shape is quadratic"),
+        (("--transfer", "flop"), "transfer is flop"),
+        (("--time-step", "soon"), "time step is soon; it must be auto, or a number of seconds above 0"),
+        (("--time-step", "-1e-5"), "time_step_s is -1e-05; it must be at least 1e-09"),
+        (("--cfl", "3"), "cfl is 3.0; it must be at most 2"),
+        (("--cfl", "0.3", "--time-step", "1e-5"), "cfl is 0.3; it cannot be given together with a time step"),
+        (("--mass-scaling", "0.5"), "mass_scaling is 0.5; it must be at least 1"),
+        (("--transfer", "xpic", "--stress-update", "first"), "stress update is first; with the transfer xpic"),
+        (("--filter", "median"), "stress_filter is median"),
+    ],
+)
+def test_impossible_choices_are_refused_in_one_sentence(flags, sentence, tmp_path):
+    done = scenario("mass_flow.py", *flags, "--output", str(tmp_path / "run"))
+    assert done.returncode == 2
+    assert sentence in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_variant_goes_through_the_whole_of_an_element_test(tmp_path):
+    done = scenario(
+        "element_test.py", "triaxial", "--through", "mpm", "--shape", "cpdi", "--transfer", "apic", "--filter",
+        "null-space", "--strain", "0.02", "--output", str(tmp_path / "run"),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    words = (tmp_path / "run" / "run.toml").read_text()
+    for line in ('shape = "cpdi"', 'transfer = "apic"', 'stress_filter = "null-space"'):
+        assert line in words
+
+
+def test_the_defaults_are_those_that_the_map_recommends_and_warn_of_nothing():
+    assert Variant() == Variant(transfer="flip", stress_update="last", stress_filter="none", mass_scaling=1.0)
+    assert weaknesses(Scene()) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [
+        ({"grid": Mesh(shape="linear")}, "Linear shapes"),
+        ({"grid": Mesh(shape="bspline", points_per_cell=4)}, "Splines ignore"),
+        ({"method": Method(stress_filter="smoothing")}, "no projection"),
+        ({"method": Method(noise_control="none")}, "ratchets"),
+        ({"method": Method(stress_update="first")}, "damps nothing"),
+        ({"method": Method(cfl=0.9)}, "cfl is 0.9"),
+        ({"method": Method(mass_scaling=100.0)}, "10 times as fast"),
+    ],
+)
+def test_a_choice_with_a_known_weakness_is_told_so(changes, word):
+    (sentence,) = weaknesses(Scene(**changes))
+    assert word in sentence
+
+
+def test_sand_with_a_hundred_times_the_inertia_does_the_same_ten_times_slower():
+    """The law knows no time: with the same weight, filling ten times as long gives the same stresses."""
+    runs = {}
+    for factor in (1.0, 100.0):
+        method = Method(mass_scaling=factor, filling_time_s=0.3 * factor**0.5, longest_settling_s=0.0)
+        simulation = Simulation(Scene(**COARSE, walls=Walls(kind="smooth"), method=method))
+        runs[factor] = simulation, list(simulation.fill())[-1]
+    (light, one), (heavy, other) = runs.values()
+    assert heavy.period == pytest.approx(10.0 * light.period)
+    assert other.time_step_s == pytest.approx(10.0 * one.time_step_s, rel=1e-6)
+    assert other.weight_N_per_m == pytest.approx(one.weight_N_per_m, rel=1e-12)
+    assert other.normal_N_per_m == pytest.approx(one.normal_N_per_m, rel=1e-6)
+    assert abs(other.residual_N_per_m) < 1e-9 * other.weight_N_per_m
+
+
+def test_a_silo_at_rest_does_not_depend_on_the_shape_but_on_what_the_stress_update_damps():
+    """Updated first, or from echoed velocities, the stress keeps noise that the drag alone does not hold."""
+
+    def normal(shape="ugimp", update="last"):
+        method = Method(stress_update=update, filling_time_s=0.3, longest_settling_s=0.2)
+        scene = Scene(
+            silo=COARSE["silo"], grid=Mesh(cell_size_m=0.02, shape=shape), machine=COARSE["machine"],
+            walls=Walls(kind="smooth"), method=method,
+        )  # fmt: skip
+        return list(Simulation(scene).fill())[-1].normal_N_per_m
+
+    usual = normal()
+    assert normal(shape="cpdi") == pytest.approx(usual, rel=0.002)
+    for update in ("first", "modified"):
+        assert 1.03 * usual < normal(update=update) < 1.10 * usual
+
+
+class TestWatch:
+    def simulation(self):
+        return Simulation(Scene(**COARSE, walls=Walls(kind="smooth"), flow=Flow(displacement_m=0.001)))
+
+    def look(self, simulation, loss):
+        watch = Watch()
+        watch.begin(simulation)
+        watch.filled()
+        arrays = simulation.particles.arrays()
+        simulation.particles.load(arrays | {"volume": arrays["volume"] * (1.0 - loss / 1.6)})
+        record = next(simulation.fill())
+        for _ in range(40):
+            watch.observe(record)
+        return simulation.warnings
+
+    def test_it_names_sand_that_lost_void_ratio_without_shear_once(self):
+        (sentence,) = self.look(self.simulation(), 0.01)
+        assert "0.0100 of void ratio" in sentence
+        assert "ratcheting" in sentence
+
+    def test_it_is_silent_about_sand_that_did_not(self):
+        assert self.look(self.simulation(), 0.001) == []
+
+
+def test_a_point_that_flies_off_stops_the_run_with_its_place():
+    simulation = Simulation(Scene(**COARSE))
+    record = next(simulation.fill())
+    arrays = simulation.particles.arrays()
+    arrays["velocity"][7] = [60.0, 0.0]
+    simulation.particles.load(arrays)
+    guard = Guard()
+    guard.begin(simulation)
+    from dataclasses import replace
+
+    with pytest.raises(RunFailed, match=r"near x = 50.0 mm, y = 30.0 mm moves at 60.0 m/s"):
+        guard.observe(replace(record, speed_m_per_s=60.0))
+
+
+class TestLedger:
+    def test_what_leaves_is_booked_and_what_stays_goes_on(self):
+        particles, _ = block(width=0.1, height=0.1, cell=0.02)
+        arrays = particles.arrays()
+        arrays["velocity"][:, 1] = -2.0
+        particles.load(arrays)
+        whole = arrays["mass"].sum()
+        ledger = Ledger(particles, exit_m=0.041)
+        left = ledger.settle()
+        assert particles.active[None] == 15
+        assert ledger.points == 10
+        assert left + particles.arrays()["mass"].sum() == pytest.approx(whole, rel=1e-15)
+        assert ledger.momentum[1] == pytest.approx(-2.0 * left)
+        assert (particles.arrays()["position"][:, 1] > 0.041).all()
+        assert ledger.settle() == 0.0
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_every_shape_runs_through_a_whole_coarse_silo(shape):
+    """Filled and lowered: balance closed, all sand there, N within 5 % of Janssen's neighbourhood of uGIMP's."""
+    scene = Scene(
+        silo=COARSE["silo"], grid=Mesh(cell_size_m=0.02, shape=shape), machine=COARSE["machine"],
+        walls=Walls(kind="smooth"), flow=Flow(speed_m_per_s=0.02, displacement_m=0.001),
+        method=Method(filling_time_s=0.2, longest_settling_s=0.1),
+    )  # fmt: skip
+    records = list(Simulation(scene).run())
+    assert max(abs(r.residual_N_per_m) for r in records) < 1e-9 * scene.weight_N_per_m
+    assert max(r.strays for r in records) == 0
+    assert np.isfinite([r.normal_N_per_m for r in records]).all()
