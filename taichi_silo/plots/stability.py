@@ -64,7 +64,8 @@ def order_figure(data: dict) -> Figure:
         panel.set(xlabel="cells over the unit length", title=solution)
         panel.set_xticks(cells, [str(c) for c in cells], minor=False)
         panel.minorticks_off()
-        panel.legend(fontsize=7.5)
+    lines = {line.get_label(): line for line in panels[1].lines if not line.get_label().startswith("_")}
+    figure.legend(lines.values(), lines.keys(), loc="outside right upper", fontsize=8.5)
     panels[0].set_ylabel("RMS error over the motion\n(dashed: first and second order)")
     return figure
 

@@ -27,28 +27,21 @@ class ContiguousGimp:
         return UniformGimp(self.half_size).stable_fraction
 
     @ti.func
-    def ramp(self, t):
-        """Integral of the hat function around 0, from -1 to t."""
-        u = ti.min(ti.max(t, -1.0), 1.0)
-        return 0.5 + u - 0.5 * u * ti.max(u, 0.0 - u)
-
-    @ti.func
-    def hat(self, t):
-        """The hat function around 0."""
-        return ti.max(1.0 - ti.max(t, 0.0 - t), 0.0)
-
-    @ti.func
     def axis(self, x, half):
-        """First node, four weights, four derivatives of a domain from x - half to x + half."""
+        """First node, four weights, four derivatives of a domain from a to b <= a + 2, measured from the first node.
+
+        Integrals of the hats' straight sides. A weight next to zero is a square, never a difference: round-off in it
+        would be divided by a nodal mass as small.
+        """
         base = ti.floor(x - half)
         a = x - half - base
         b = a + 2.0 * half
         per = 0.5 / half
-        s0, g0 = (self.ramp(b) - self.ramp(a)) * per, (self.hat(b) - self.hat(a)) * per
-        s1, g1 = (self.ramp(b - 1.0) - self.ramp(a - 1.0)) * per, (self.hat(b - 1.0) - self.hat(a - 1.0)) * per
-        s3, g3 = self.ramp(b - 3.0) * per, self.hat(b - 3.0) * per
-        # a weight below zero by round-off would make a nodal mass below zero
-        return base, (s0, s1, ti.max(1.0 - s0 - s1 - s3, 0.0), s3), (g0, g1, 0.0 - g0 - g1 - g3, g3)
+        first, second, third = ti.min(b, 1.0), ti.min(ti.max(b - 1.0, 0.0), 1.0), ti.max(b - 2.0, 0.0)
+        s0, g0 = 0.5 * ((1.0 - a) ** 2 - (1.0 - first) ** 2) * per, (a - first) * per
+        s2, g2 = (0.5 * second * second + third * (1.0 - 0.5 * third)) * per, (second - third) * per
+        s3, g3 = 0.5 * third * third * per, third * per
+        return base, (s0, 1.0 - s0 - s2 - s3, s2, s3), (g0, 0.0 - g0 - g2 - g3, g2, g3)
 
     @ti.func
     def patch(self, number: ti.template(), x, y, domain):

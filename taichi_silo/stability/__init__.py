@@ -8,8 +8,8 @@ from importlib import import_module
 
 # module and seconds that it takes on one core, roughly
 MODES = {
-    "crossing": 40, "stretching": 60, "rotation": 120, "null_space": 100, "time_step": 240, "integration": 7,
-    "limits": 60, "ratcheting": 450, "walls": 250, "precision": 85, "conservation": 60, "order": 240,
+    "crossing": 40, "stretching": 40, "rotation": 100, "null_space": 100, "time_step": 400, "integration": 7,
+    "limits": 40, "ratcheting": 400, "walls": 100, "precision": 70, "conservation": 40, "order": 250,
 }  # fmt: skip
 
 

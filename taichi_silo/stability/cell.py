@@ -1,5 +1,6 @@
 """One measured number of the stability map."""
 
+import math
 import operator
 from dataclasses import dataclass
 
@@ -32,5 +33,7 @@ class Cell:
 
 
 def cells_of(mode: str, measure: str, unit: str, relation: str, bound: float, values: dict[str, float]) -> list[Cell]:
-    """One cell for each method."""
-    return [Cell(mode, method, measure, float(value), unit, relation, bound) for method, value in values.items()]
+    """One cell for each method; a value that is no number is lost: infinite, on the side that does not hold."""
+    lost = math.inf if relation == "<=" else -math.inf
+    numbers = {method: lost if math.isnan(value) else float(value) for method, value in values.items()}
+    return [Cell(mode, method, measure, value, unit, relation, bound) for method, value in numbers.items()]

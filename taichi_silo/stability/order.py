@@ -106,7 +106,7 @@ def ring(shape, cells: int, angle: float = 0.15, turns: float = 0.25) -> float:
     turn = theta + angle * math.sin(math.pi * duration) * g + whole * duration
     exact = R[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     error = np.sqrt(((particles.position.to_numpy() - 1.5 - exact) ** 2).sum(axis=1).mean())
-    return float(error / np.sqrt(((angle * g * R) ** 2).mean()))
+    return float(error / np.sqrt(((angle * g * R) ** 2).mean())) if np.isfinite(error) else math.inf
 
 
 def slope(errors: dict[int, float]) -> float:

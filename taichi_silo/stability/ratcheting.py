@@ -29,6 +29,7 @@ METHODS = {  # method, law, noise control where it is not the scene's own
     "modified last": (PLAIN | {"stress_update": "modified"}, "gudehus-bauer", None),
     "stress first + default": ({"stress_update": "first"}, "gudehus-bauer", None),
     "modified last + default": ({"stress_update": "modified"}, "gudehus-bauer", None),
+    "APIC + default": ({"transfer": "apic"}, "gudehus-bauer", None),
     "smoothing filter": (PLAIN | {"stress_filter": "smoothing"}, "gudehus-bauer", None),
     "intergranular strain": (PLAIN, "intergranular", None),
     "intergranular + default": ({"noise_control": "column"}, "intergranular", None),
