@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo import Flow, Mesh, Method, RunFailed, Scene, run
+from taichi_silo import Flow, Machine, Mesh, Method, RunFailed, Scene, Silo, Walls, run
 from taichi_silo.observers import Observer
 
 SCENE = Scene(
@@ -91,6 +91,40 @@ def test_a_failure_at_the_very_start_of_the_flow_keeps_the_filling(tmp_path):
     assert {file.name for file in (tmp_path / "run" / "figures").iterdir()} >= {"forces.png", "void_ratio.png"}
     with np.load(tmp_path / "run" / "checkpoint.npz") as state:
         assert all(np.isfinite(state[name]).all() for name in state.files if name != "header")
+
+
+def smooth_silo(stress_filter):
+    return Scene(
+        walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.05), flow=Flow(speed_m_per_s=0.02, displacement_m=0.002),
+        method=Method(filling_time_s=0.2, stress_filter=stress_filter),
+    )  # fmt: skip
+
+
+def test_the_smoothing_filter_lets_sand_creep_until_the_guard_says_so(tmp_path):
+    message = fails(tmp_path / "run", smooth_silo("smoothing"))
+    assert "denser than any packing; the smoothing filter lets sand creep" in message
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert any("no projection" in sentence for sentence in summary["warnings"])
+
+
+def test_the_null_space_filter_does_not(tmp_path):
+    run(smooth_silo("null-space"), tmp_path / "run", film=False)
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["finished"]
+    assert "warnings" not in summary
+    assert abs(summary["certificate"]["mean_void_ratio_drift"]) < 0.003
+
+
+def test_a_slender_silo_whose_sand_ratchets_is_noticed_while_it_runs(tmp_path):
+    """Its forces look fine; void ratio without shear tells."""
+    scene = Scene(
+        silo=Silo(width_m=0.02, height_m=0.5), walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.005),
+        flow=Flow(speed_m_per_s=0.005, displacement_m=0.002), machine=Machine(threads=1),
+    )  # fmt: skip
+    run(scene, tmp_path / "run", film=False)
+    (sentence,) = json.loads((tmp_path / "run" / "summary.json").read_text())["warnings"]
+    assert "ratcheting" in sentence
+    assert "slender" in sentence
 
 
 class Interrupter(Observer):

@@ -19,13 +19,14 @@ def stand_in(x):
 
 sand.exp_minus = stand_in
 ti.init(ti.cpu, default_fp=ti.f64, cpu_max_num_threads=1, log_level=ti.ERROR, real_matrix_scalarize=False)
-from taichi_silo.shapes import UniformGimp
+from taichi_silo.shapes import SHAPES
 from taichi_silo.tensors import norm, spun
 
 lanes8 = ti.types.vector(8, ti.f64)
 from taichi_silo.laws import Intergranular
 
-law, shape = sand.GudehusBauer(alpha=0.5), UniformGimp(0.5)
+law = sand.GudehusBauer(alpha=0.5)
+shapes = tuple(kind(0.25) for kind in SHAPES.values())
 memory = Intergranular(skeleton=law, chi=1.0)
 
 @ti.func
@@ -34,13 +35,22 @@ def formulas(a, b, c, d, e, f, g, h):
     rate = law.rate(stress, stress, e, D, norm(D))
     held = law.admissible(stress, e)
     turned = spun(held, h)
-    base, s, slope = shape.axis(7.0 * e)
+    weighed = 0.0 * e
+    for shape in ti.static(shapes):
+        domain = (0.5 + 0.1 * f, 0.1 * g, 0.1 * h, 0.5 - 0.1 * g)
+        for patch in ti.static(range(shape.PATCHES)):
+            i, sx, gx, j, sy, gy = shape.patch(patch, 7.0 * e, 5.0 * e, domain)
+            for k in ti.static(range(shape.NODES)):
+                weighed += (i + k) * sx[k] + gx[k] * k + (j + k) * sy[k] * 2.0 + gy[k] * k
+        if ti.static(shape.DOMAIN):
+            r = shape.convected(domain, (0.3 * f, 0.2 * g, 0.4 * h, 0.1 * f))
+            weighed += r[0] + 2.0 * r[1] + 3.0 * r[2] + 4.0 * r[3]
     past = (2e-5 * g, 3e-5 * f, 1e-5 * h, 2e-5 * f)
     kept = memory.remembered(past)
     reversed_rate = memory.rate(stress, kept, e, D, norm(D))
     growth_of_memory = memory.memory_rate(kept, D)
     return (
-        rate[0], rate[3], held[0], turned[1], law.stiffness(stress, e), s[1] + slope[1] + base,
+        rate[0], rate[3], held[0], turned[1], law.stiffness(stress, e), weighed,
         reversed_rate[1], growth_of_memory[3], memory.stiffness(stress, e),
     )
 
