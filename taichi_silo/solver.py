@@ -90,44 +90,45 @@ class Solver(Loops):
         super().__init__(shared)
         self.phases = tuple((number, *phase) for number, phase in enumerate(self.program(stress_update)))
         self.books = Books(len(self.walls), grid)
+        self.stable_fraction = shape.stable_fraction
         self.surveyor = Survey(particles, grid, law, self.shared)
 
     # --- the step -----------------------------------------------------------------------------------------------
 
     def program(self, stress_update: str) -> list[tuple]:
         """The phases of a step in their order: over points or nodes, function, its option."""
-        new, old = self.grid.velocity, self.grid.echo
-        averaged = [(POINTS, self._respond, None)] if self.averaging.ACTIVE else []
-        filtered = self.filter.phases() if self.filter.ACTIVE else []
-        if stress_update == "last" and not self.transfer.ECHO:
+        if stress_update not in STRESS_UPDATES:
+            raise ValueError(f"stress update is {stress_update!r}; it must be one of {', '.join(STRESS_UPDATES)}")
+        if self.transfer.ECHO and stress_update != "last":
+            raise ValueError(f"stress update is {stress_update!r}; with the transfer {self.transfer} it must be 'last'")
+        velocity, echo = self.grid.velocity, self.grid.echo
+        then = [(POINTS, self._respond, None)] if self.averaging.ACTIVE else []
+        then += self.filter.phases() if self.filter.ACTIVE else []
+        if stress_update == "first":
             return [
-                (POINTS, self._scatter, "all"),
+                (POINTS, self._scatter, "motion"),
+                (NODES, self._echo, "keeps sums"),
+                (POINTS, self._stress, echo),
+                *then,
+                (POINTS, self._scatter, "force"),
                 (NODES, self._integrate, "last"),
-                (POINTS, self._gather, new),
-                *averaged, *filtered,
-            ]  # fmt: skip
-        if stress_update == "last" or (stress_update == "modified" and not self.transfer.ECHO):
+                (POINTS, self._move, echo),
+            ]
+        if stress_update == "modified" or self.transfer.ECHO:
             return [
                 (POINTS, self._scatter, "all"),
                 (NODES, self._integrate, "keeps mass"),
                 (POINTS, self._send_back, None),
                 (NODES, self._echo, "last"),
-                (POINTS, self._gather, new if self.transfer.ECHO else self.grid.echo),
-                *averaged, *filtered,
-            ]  # fmt: skip
-        if stress_update == "first" and not self.transfer.ECHO:
-            return [
-                (POINTS, self._scatter, "motion"),
-                (NODES, self._echo, "keeps sums"),
-                (POINTS, self._stress, old),
-                *averaged, *filtered,
-                (POINTS, self._scatter, "force"),
-                (NODES, self._integrate, "last"),
-                (POINTS, self._move, old),
-            ]  # fmt: skip
-        if stress_update in STRESS_UPDATES:
-            raise ValueError(f"stress update is {stress_update!r}; with the transfer {self.transfer} it must be 'last'")
-        raise ValueError(f"stress update is {stress_update!r}; it must be one of {', '.join(STRESS_UPDATES)}")
+                (POINTS, self._gather, velocity if self.transfer.ECHO else echo),
+                *then,
+            ]
+        return [
+            (POINTS, self._scatter, "all"),
+            (NODES, self._integrate, "last"),
+            (POINTS, self._gather, velocity),
+            *then,
+        ]
 
     def advance(self, steps: int, dt: float, gravity=(0.0, 0.0), plate_velocity=(0.0, 0.0), filling_drag=0.0) -> None:
         """Do `steps` steps of `dt` seconds.
@@ -158,7 +159,7 @@ class Solver(Loops):
         if self.lost():
             raise RunFailed("because the threads of a step lost each other; use fewer on a machine this busy")
         found = self.surveyor.take()
-        found.stable_step = found.transit * self.shape.stable_fraction
+        found.stable_step = found.transit * self.stable_fraction
         return found
 
     # --- its phases: of points (p, t, step, option, shared), of nodes (i, j, step, option, shared) ------------------
