@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from taichi_silo.grid import MARGIN, Grid
+from taichi_silo.grid import MARGIN
 from taichi_silo.laws import GudehusBauer
 from taichi_silo.laws.stress_point import wave_speed
 from taichi_silo.ledger import Ledger
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
-from taichi_silo.runtime import threads
 from taichi_silo.shapes import SHAPES
 from taichi_silo.solver import Solver
+from taichi_silo.stability.bodies import block, change
 from taichi_silo.transfers import Flip
 from taichi_silo.walls import Coulomb, PlaneWall
 
@@ -45,23 +45,12 @@ def empty(
     """
     law, shape = GudehusBauer(), SHAPES[shape_name](0.5 / per_axis)
     base = BELOW * cell
-    grid = Grid(width, height + base + 2 * cell, cell, threads(), follows="nothing")
-    d = cell / per_axis
-    x, y = np.meshgrid((np.arange(round(width / d)) + 0.5) * d, (np.arange(round(height / d)) + 0.5) * d + base)
-    count = x.size
     density = law.grain_density / (1.0 + void_ratio)
-    particles = Particles(count, Particles.extras(law, shape, Flip()))
-    particles.load(
-        {
-            "position": np.stack([x.ravel(), y.ravel()], axis=1),
-            "velocity": np.zeros((count, 2)),
-            "stress": np.tile([-law.rest_stress] * 3 + [0.0], (count, 1)),
-            "mass": np.full(count, density * d * d),
-            "volume": np.full(count, d * d),
-            "path": np.zeros(count),
-            "domain": np.tile([d, 0.0, 0.0, d], (count, 1)),
-        }
-    )
+    particles, grid = block(
+        width=width, height=height, cell=cell, points_per_axis=per_axis, density=density, origin=(0.0, base),
+        box=(width, height + base + 2 * cell), extra=Particles.extras(law, shape, Flip()),
+    )  # fmt: skip
+    change(particles, stress=np.tile([-law.rest_stress] * 3 + [0.0], (particles.count, 1)))
     middle = 0.5 * density * G * height
     period = 4.0 * height / wave_speed(law, (-0.5 * middle, -middle, -0.5 * middle, 0.0), void_ratio)
     control = NoiseControl.for_column(period)
