@@ -2,6 +2,7 @@
 
 import html
 import math
+import textwrap
 from pathlib import Path
 
 import pandas as pd
@@ -37,7 +38,7 @@ def matrix(rows: pd.DataFrame, title: str) -> Figure:
             sign = "\u2713" if cell.holds else "\u2717"
             axes.text(i, j, f"{number(cell.value)} {sign}", ha="center", va="center", fontsize=8.5)
     axes.set_yticks(range(len(measures)), [f"{m}   {b}" for m, b in measures], fontsize=8.5)
-    axes.set_xticks(range(len(methods)), [m.replace(" + ", "\n+ ").replace(", ", ",\n") for m in methods], fontsize=8.5)
+    axes.set_xticks(range(len(methods)), [textwrap.fill(m, 15) for m in methods], fontsize=8.5)
     axes.set(xlim=(-0.5, len(methods) - 0.5), ylim=(len(measures) - 0.5, -0.5))
     axes.tick_params(length=0, labeltop=True, labelbottom=False)
     axes.grid(False)
