@@ -78,7 +78,8 @@ def ratcheting_figure(data: dict) -> Figure:
     for k, (name, history) in enumerate(data.items()):
         time = [t - history["time"][0] for t in history["time"]]
         ratio = [n / history["janssen"] for n in history["normal"]]
-        axes.plot(time, ratio, ("-", "--")[k // 7], color=COLORS[k % 7], linewidth=1.3, label=name)
+        style = ("-", "--", ":")[k // len(COLORS) % 3]
+        axes.plot(time, ratio, style, color=COLORS[k % len(COLORS)], linewidth=1.3, label=name)
     axes.axhline(1.0, color=REFERENCE, linestyle=":", linewidth=1.2, label="Janssen, K0 of the sand")
     axes.set(xlabel="time since the bottom starts to sink at 5 mm/s (s)", ylabel="N / N of Janssen (-)")
     axes.set_ylim(0.6, 1.6)
