@@ -213,8 +213,8 @@ class Simulation:
     def _interval(self, duration: float, gravity, plate_velocity) -> Record:
         scene, solver = self.scene, self.solver
         before = solver.survey()
-        # while the weight grows so does the wave speed, with the fourth root of the stress
-        growth = (gravity[0] / gravity[1]) ** 0.25 if gravity[0] > 0.0 else FIRST_STEP
+        # while the weight grows so does the wave speed: stiffness goes with a power of the stress, the law's degree
+        growth = (gravity[0] / gravity[1]) ** (0.5 * self.law.degree) if gravity[0] > 0.0 else FIRST_STEP
         step = scene.method.time_step(before, STEP_SAFETY) * (growth if scene.method.time_step_s is None else 1.0)
         steps = max(1, math.ceil(duration / step - 1e-9))
         dt = duration / steps
