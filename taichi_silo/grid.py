@@ -23,7 +23,7 @@ class Grid:
     velocity        node        after the step [m/s]
     change          node        of the velocity in the step [m/s]
     echo            node        velocities that went to the nodes once more in the step [m/s]
-    memory          node        exponential mean of the velocity, for the noise control [m/s]
+    memory          node        exponential means of momentum (2) and mass, for the noise control [kg m/s /m, kg/m]
     stretch         copy        height of the grid over its first height [-], one copy for each thread
     ==============  ==========  ========================================================================
 
@@ -63,7 +63,7 @@ class Grid:
         self.change = ti.Vector.field(2, real)
         ti.root.dense(ti.i, self.nodes).place(self.velocity, self.change)
         self.echo = ti.Vector.field(2, real, shape=self.nodes)
-        self.memory = ti.Vector.field(2, real, shape=self.nodes)
+        self.memory = ti.Vector.field(3, real, shape=self.nodes)
         self.stretch = ti.field(real, shape=copies)
         self.stretch.fill(1.0)
 
@@ -115,6 +115,19 @@ class Grid:
         if ti.static(self.follows == "top"):
             upwards = step.plate_velocity * (j - MARGIN) / (self.top - MARGIN)
         return ti.Vector([0.0, upwards])
+
+    @ti.func
+    def recent_velocity(self, step, j, k, mass):
+        """What node k of row j, of a mass, remembers of its velocity [m/s]: mean momentum over mean mass.
+
+        It counts no more than the present mass allows, so that the wild velocity of a node that hardly any sand
+        touched does not outlive that touch. A node that had no sand remembers the velocity of the frame.
+        """
+        if self.memory[k][2] == 0.0:
+            frame = self.velocity_of_frame(step, j)
+            self.memory[k] = mass * ti.Vector([frame[0], frame[1], 1.0])
+        remembered = self.memory[k]
+        return ti.Vector([remembered[0], remembered[1]]) / ti.max(remembered[2], mass)
 
     @ti.func
     def follow(self, t, step):

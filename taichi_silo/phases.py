@@ -112,7 +112,7 @@ def integrate_node(
         old = momentum / m
         new = old + step.dt * (force / m + step.gravity * down)
         if ti.static(control.drag > 0.0 or control.filling_drag > 0.0):
-            braking = -step.dt * (control.drag * (old - grid.memory[k]) + step.filling_drag * old)
+            braking = -step.dt * (control.drag * (old - grid.recent_velocity(step, j, k, m)) + step.filling_drag * old)
             new += braking
             add(books.control, j, m * braking, shared)
         for number, wall in ti.static(enumerate(walls)):
@@ -124,9 +124,9 @@ def integrate_node(
         grid.velocity[k] = new
         grid.change[k] = new - old
         if ti.static(control.drag > 0.0):
-            grid.memory[k] += step.dt / control.memory_time * (new - grid.memory[k])
+            grid.memory[k] += step.dt / control.memory_time * (m * ti.Vector([new[0], new[1], 1.0]) - grid.memory[k])
     else:
-        grid.memory[k] = grid.velocity_of_frame(step, j)
+        grid.memory[k] = ti.Vector([0.0, 0.0, 0.0])
 
 
 @ti.func

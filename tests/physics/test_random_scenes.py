@@ -2,15 +2,24 @@
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from taichi_silo import runtime
-from taichi_silo.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
+from taichi_silo import runtime, sands
+from taichi_silo.observers.guard import LONGEST_STEP
+from taichi_silo.scene import Averaging, Flow, Machine, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.shapes import SHAPES
 from taichi_silo.simulation import Simulation
 from taichi_silo.solver import STRESS_UPDATES
 from taichi_silo.transfers import TRANSFERS
+
+
+@st.composite
+def any_sand(draw):
+    """One of the published sands, from nearly its densest to nearly its loosest packing."""
+    name, table = draw(st.sampled_from(sorted(sands.published().items())))
+    e = table["e_d0"] + draw(st.floats(0.05, 0.9)) * (table["e_i0"] - table["e_d0"])
+    return sands.sand(name, e, law=draw(st.sampled_from(["gudehus-bauer", "intergranular"])))
 
 
 @st.composite
@@ -24,9 +33,7 @@ def scenes(draw):
     height = cell * draw(st.integers(2, 12))
     return Scene(
         silo=Silo(width_m=cell * draw(st.integers(2, 8)), height_m=height),
-        sand=Sand(
-            void_ratio=draw(st.floats(0.53, 1.2)), law=draw(st.sampled_from(["gudehus-bauer", "intergranular"]))
-        ),
+        sand=draw(any_sand()),
         walls=Walls(kind=kind, friction_angle_deg=friction, bottom_friction_angle_deg=draw(st.floats(0.0, 45.0))),
         grid=Mesh(
             cell_size_m=cell, points_per_cell=draw(st.sampled_from([1, 4, 9])),
@@ -44,24 +51,29 @@ def scenes(draw):
 
 
 def go(scene):
-    """100 steps of filling and 100 of flow, from the scene's own weight."""
+    """200 steps of flow, from stresses that carry the scene's own weight; the step is chosen anew as in a run."""
     runtime.init()
     simulation = Simulation(scene)
-    mass = simulation.particles.mass.to_numpy()
+    arrays = simulation.particles.arrays()
+    mass, depth = arrays["mass"], scene.silo.height_m - arrays["position"][:, 1]
+    vertical = simulation.density * simulation.gravity * depth
+    arrays["stress"] = -np.stack([0.5 * vertical, vertical, 0.5 * vertical, 0.0 * vertical], axis=1)
+    simulation.particles.load(arrays)
     solver, g, v = simulation.solver, simulation.gravity, scene.flow.speed_m_per_s
-    for stage, (low, high), (slow, fast) in (("fill", (0.0, g), (0.0, 0.0)), ("flow", (g, g), (0.0, -v))):
+    for _ in range(10):
         before = solver.survey()
-        dt = (0.2 if stage == "fill" else 0.9) * before.stable_step
-        filling = simulation.control.filling_drag if stage == "fill" else 0.0
-        solver.advance(100, dt, (low, high), (slow, fast), filling)
+        dt = 0.9 * before.stable_step
+        solver.advance(20, dt, (g, g), (-v, -v))
         reaction, control = solver.books.take()
         after = solver.survey()
-        simulation.displacement += 50.0 * dt * (-fast)
-        weight = mass.sum() * 0.5 * (low + high)
-        force = reaction[:, :, 1].sum() / (100 * dt)
-        rate = (after.momentum - before.momentum) / (100 * dt)
+        # a bottom that starts with a jolt beyond the sand's strength is stopped by the guard, which has its own tests
+        assume(not after.strays and dt <= LONGEST_STEP * after.stable_step)
+        simulation.displacement += 20.0 * dt * v
+        weight, force = mass.sum() * g, reaction[:, :, 1].sum() / (20 * dt)
+        rate = (after.momentum - before.momentum) / (20 * dt)
         scale = max(weight, abs(force), abs(rate))
-        assert abs(force - weight - rate + control[:, 1].sum() / (100 * dt)) < 1e-9 * scale
+        residual = force - weight - rate + control[:, 1].sum() / (20 * dt)
+        assert abs(residual) < 1e-9 * scale, (force, weight, rate, residual)
     return simulation, mass
 
 
@@ -76,14 +88,30 @@ def holds(scene):
     assert points["void_ratio"].max() <= scene.sand.e_i0 * (1 + 1e-9)
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+# the sand's surface on grid lines: nodes above it hold 1e-33 of a point's mass, and their velocity is anything
+JUST_TOUCHED = Scene(
+    silo=Silo(width_m=0.1, height_m=0.1),
+    sand=sands.sand("hamburg", 0.5225),
+    walls=Walls(kind="smooth"),
+    grid=Mesh(cell_size_m=0.05, shape="bspline"),
+    averaging=Averaging(characteristic_length_m=0.0),
+    flow=Flow(speed_m_per_s=1e-5, displacement_m=0.05),
+    method=Method(transfer="apic"),
+    machine=Machine(threads=1),
+)
+
+SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large]  # but not "filters out too much"
+
+
+@settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=SLOW)
 @given(scenes())
+@example(JUST_TOUCHED)
 def test_random_scenes_keep_mass_balance_and_limits(scene):
     holds(scene)
 
 
 @pytest.mark.long
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=150, deadline=None, suppress_health_check=SLOW)
 @given(scenes())
 def test_many_random_scenes_do(scene):
     holds(scene)
