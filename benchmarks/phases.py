@@ -2,76 +2,86 @@
 
 import taichi as ti
 
-from taichi_silo.laws.integrate import update
+from taichi_silo import runtime
+from taichi_silo.lanes import arrays_of_eight
 from taichi_silo.loops import Step
-from taichi_silo.runtime import real
+from taichi_silo.runtime import eight, real
 from taichi_silo.solver import Solver
-from taichi_silo.tensors import norm
 
 
 @ti.data_oriented
 class Phases:
-    """Kernels over one phase each; the state drifts a little, the cost does not."""
+    """Kernels over one phase each, on the lanes of a solver; the state drifts a little, the cost does not."""
 
     def __init__(self, solver: Solver):
-        self.s = solver
-        self.sink = ti.field(real, shape=())
+        self.s, self.lanes = solver, solver.lanes
+        self.groups = solver.particles.groups
+        self.compiled = set()
 
     def all(self):
         """Name of each phase and its loop, called with (steps, dt)."""
         return {
-            "particles to grid": self.scatter,
-            "grid": self.grid,
-            "grid to particles and law": self.gather,
-            "law alone": self.law,
+            "particles to grid": self._timed(self.scatter),
+            "grid": self._timed(self.grid),
+            "grid to particles": self._timed(self.gather),
+            "law": self._timed(self.law),
         }
 
+    def _timed(self, kernel):
+        def run(steps: int, dt: float) -> None:
+            given = self.lanes.points, self.lanes.sums, self.lanes.nodal, steps, dt
+            if kernel in self.compiled:
+                kernel(*given)
+            else:
+                self.lanes.load()
+                with runtime.compiling_wide():
+                    kernel(*given)
+                self.compiled.add(kernel)
+
+        return run
+
     @ti.kernel
-    def scatter(self, steps: ti.i32, dt: real):
+    def scatter(
+        self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, steps: ti.i32, dt: real
+    ):  # fmt: skip
         """Particles to grid."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
-            step = Step(dt=dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
-            for p in range(self.s.particles.count):
-                self.s._scatter(p, 0, step, "all", False)
+            for strip in range(self.lanes.strips):
+                begin, end = strip * self.groups // self.lanes.strips, (strip + 1) * self.groups // self.lanes.strips
+                self.lanes.scatter(points, sums, strip, begin, end, 0)
 
     @ti.kernel
-    def grid(self, steps: ti.i32, dt: real):
-        """Equation of motion of the nodes."""
+    def grid(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, steps: ti.i32, dt: real):
+        """Equation of motion of the nodes, on the same sums again and again."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
+            step = Step(dt=0.0 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
             for j in range(self.s.grid.rows):
-                for i in range(self.s.grid.columns):
-                    k = j * self.s.grid.columns + i
-                    self.s.grid.mass[k] = 1.0  # the pass empties its sums
-                    step = Step(dt=0.0 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
-                    self.s._integrate(i, j, step, "last", False)
+                for i in range(self.s.grid.columns):  # the pass empties them
+                    sums[j * self.s.grid.columns + i][0] = 1.0
+                self.lanes.integrate_row(sums, nodal, j, step)
 
     @ti.kernel
-    def gather(self, steps: ti.i32, dt: real):
-        """Grid to particles, with the law."""
+    def gather(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, steps: ti.i32, dt: real):
+        """Grid to particles: what a point takes."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
-            for p in range(self.s.particles.count):
-                step = Step(dt=1e-3 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
-                self.s._gather(p, 0, step, self.s.grid.velocity, False)
+            for g in range(self.groups):
+                t = self.lanes.gather(points, nodal, g, 0)
+                total = t[0] + t[1] + t[2] + t[3] + t[4] + t[5] + t[6] + t[7]
+                self.s.particles.write(points, "path", g, self.s.particles.read(points, "path", g) + 1e-30 * total)
 
     @ti.kernel
-    def law(self, steps: ti.i32, dt: real):
-        """The law at a constant strain rate."""
+    def law(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, steps: ti.i32, dt: real):
+        """Motion and law of the points at a constant strain rate of 1e-3 / s."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
-            for p in range(self.s.particles.count):
-                s = self.s.particles.stress[p]
-                e = self.s.particles.volume[p] * self.s.law.grain_density / self.s.particles.mass[p] - 1.0
-                v = self.s.particles.velocity[p]
-                D = (1e-6 * v[0], 1e-6 * v[1] - 1e-6, 0.0 * v[0], 1e-6 * v[1])
-                h = 0.0 * s
-                a, b, c, d, h0, h1, h2, h3, void_ratio = update(
-                    self.s.law, (s[0], s[1], s[2], s[3]), (h[0], h[1], h[2], h[3]), e, D, 1e-6 * v[1], norm(D), dt
-                )
-                self.s.particles.stress[p] = ti.Vector([a, b, c, d])
-                self.sink[None] = void_ratio + h0 + h1 + h2 + h3
+            step = Step(dt=dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
+            for g in range(self.groups):
+                none, some = eight(0.0), eight(1e-3 * self.s.grid.cell_size)
+                taken = (none, none, none, none, none - some, some, some, some, none)
+                self.s.take(points, g, 0, step, taken, True, True)
 
 
 @ti.data_oriented

@@ -14,7 +14,7 @@ import taichi as ti
 
 from taichi_silo.faults import RunFailed
 from taichi_silo.particles import Particles
-from taichi_silo.runtime import real
+from taichi_silo.runtime import LANES, eight, real, wide
 
 TOLERANCE = 0.02  # of l_c: no point should move so far on the same rows; from half of it on they are built anew
 MOST_STEPS = 500  # between two looks at how far points have moved
@@ -87,7 +87,7 @@ class NonLocal:
     neighbour       pair        index of a neighbour (the point itself is one)
     share           pair        its normalised weight, w V / sum
     norm            point       ||D|| of the present step [1/s]
-    motion          point, 5    strain rate (4) and spin of the present step [1/s]
+    motion          8 points    strain rate (4), spin and norm of the present step, six groups of eight [1/s]
     place           point, 2    position when the rows were built [m]
     ==============  ==========  ========================================================================
 
@@ -111,11 +111,11 @@ class NonLocal:
         self.builds, self.loads = 0, -1
         count = particles.count
         self.pairs_most = most_pairs(kernel, spacing_m, count)
-        self.start = ti.field(ti.i32, shape=count + 1)
+        self.start = ti.field(ti.i32, shape=count + 2)  # one row more than points, always empty
         self.neighbour = ti.field(ti.i32, shape=self.pairs_most)
         self.share = ti.field(real, shape=self.pairs_most)
-        self.norm = ti.field(real, shape=count)
-        self.motion = ti.Vector.field(5, real, shape=count)
+        self.norm = ti.field(real, shape=count + 1)
+        self.motion = ti.field(real, shape=((count + LANES - 1) // LANES + 1, 6, LANES))
         self.place = ti.Vector.field(2, real, shape=count)
 
     @property
@@ -124,12 +124,55 @@ class NonLocal:
         return int(self.start[self.particles.count])
 
     @ti.func
+    def keep(self, lanes: ti.template(), p, D, spin, length):
+        """Remember the strain rate, spin and norm of the strain rate of point or group p."""
+        kept = (D[0], D[1], D[2], D[3], spin, length)
+        for c in ti.static(range(6)):
+            if ti.static(wide()):
+                for k in ti.static(range(LANES)):
+                    self.motion[p, c, k] = kept[c][k]
+            else:
+                self.motion[p // LANES, c, p % LANES] = kept[c]
+        if ti.static(wide()):
+            for k in ti.static(range(LANES)):
+                self.norm[self.particles.order[p * LANES + k]] = length[k]
+        else:
+            self.norm[p] = length
+
+    @ti.func
+    def kept(self, lanes: ti.template(), p):
+        """Strain rate (4), spin and norm of point or group p."""
+        if ti.static(wide()):
+            return self.row(p, 0), self.row(p, 1), self.row(p, 2), self.row(p, 3), self.row(p, 4), self.row(p, 5)
+        g, k = p // LANES, p % LANES
+        return (
+            self.motion[g, 0, k], self.motion[g, 1, k], self.motion[g, 2, k], self.motion[g, 3, k],
+            self.motion[g, 4, k], self.motion[g, 5, k],
+        )  # fmt: skip
+
+    @ti.func
+    def row(self, p, c: ti.template()):
+        """Value c of the eight points of a group."""
+        values = eight(0.0)
+        for k in ti.static(range(LANES)):
+            values[k] = self.motion[p, c, k]
+        return values
+
+    @ti.func
     def mean(self, p):
         """The non-local norm of the strain rate of point p [1/s]."""
         total = 0.0
         for k in range(self.start[p], self.start[p + 1]):
             total += self.share[k] * self.norm[self.neighbour[k]]
         return total
+
+    @ti.func
+    def mean_of_group(self, g):
+        """That of the eight points of a group."""
+        means = eight(0.0)
+        for k in ti.static(range(LANES)):
+            means[k] = self.mean(self.particles.order[g * LANES + k])
+        return means
 
     def steps_within(self, speed_m_per_s: float, dt: float) -> int:
         """How many steps it takes at this speed to use up half of the allowed displacement; at most MOST_STEPS."""
@@ -169,7 +212,7 @@ class NonLocal:
             raise RunFailed(
                 f"because {start[-1]} pairs of neighbours exceed the room for {self.pairs_most}: points have clumped"
             )
-        full = np.full(self.particles.count + 1, start[-1], dtype=np.int32)
+        full = np.full(self.particles.count + 2, start[-1], dtype=np.int32)
         full[: len(start)] = start
         self.start.from_numpy(full)
         self._fill(order, first, bins.astype(np.int32), across, rows)

@@ -23,7 +23,7 @@ class Grid:
     velocity        node        after the step [m/s]
     change          node        of the velocity in the step [m/s]
     echo            node        velocities that went to the nodes once more in the step [m/s]
-    memory          node        exponential means of momentum (2) and mass, for the noise control [kg m/s /m, kg/m]
+    memory          node, 3     exponential means of momentum (2) and mass, for the noise control [kg m/s /m, kg/m]
     stretch         copy        height of the grid over its first height [-], one copy for each thread
     ==============  ==========  ========================================================================
 
@@ -63,7 +63,7 @@ class Grid:
         self.change = ti.Vector.field(2, real)
         ti.root.dense(ti.i, self.nodes).place(self.velocity, self.change)
         self.echo = ti.Vector.field(2, real, shape=self.nodes)
-        self.memory = ti.Vector.field(3, real, shape=self.nodes)
+        self.memory = ti.field(real, shape=(self.nodes, 3))
         self.stretch = ti.field(real, shape=copies)
         self.stretch.fill(1.0)
 
@@ -123,11 +123,22 @@ class Grid:
         It counts no more than the present mass allows, so that the wild velocity of a node that hardly any sand
         touched does not outlive that touch. A node that had no sand remembers the velocity of the frame.
         """
-        if self.memory[k][2] == 0.0:
+        if self.memory[k, 2] == 0.0:
             frame = self.velocity_of_frame(step, j)
-            self.memory[k] = mass * ti.Vector([frame[0], frame[1], 1.0])
-        remembered = self.memory[k]
-        return ti.Vector([remembered[0], remembered[1]]) / ti.max(remembered[2], mass)
+            self.memory[k, 0], self.memory[k, 1], self.memory[k, 2] = mass * frame[0], mass * frame[1], mass
+        return ti.Vector([self.memory[k, 0], self.memory[k, 1]]) * (1.0 / ti.max(self.memory[k, 2], mass))
+
+    @ti.func
+    def remember(self, k, share, mass, velocity):
+        """Let a share of the present enter the memory of node k."""
+        self.memory[k, 0] = self.memory[k, 0] + share * (mass * velocity[0] - self.memory[k, 0])
+        self.memory[k, 1] = self.memory[k, 1] + share * (mass * velocity[1] - self.memory[k, 1])
+        self.memory[k, 2] = self.memory[k, 2] + share * (mass - self.memory[k, 2])
+
+    @ti.func
+    def forget(self, k):
+        """Node k has no sand."""
+        self.memory[k, 2] = 0.0
 
     @ti.func
     def follow(self, t, step):

@@ -3,10 +3,9 @@
 import taichi as ti
 
 from taichi_silo import runtime
+from taichi_silo.barrier import Barrier
 from taichi_silo.runtime import real
 
-SPIN_LIMIT = 500_000_000  # turns of a waiting thread before it gives up (some seconds)
-LOST = 32  # slot of `arrivals` that says that one did
 POINTS, NODES = 0, 1  # what a phase runs over
 
 
@@ -35,8 +34,7 @@ class Loops:
         self.threads = 1 if self.shared else runtime.threads()
         if not self.shared and self.grid.copies != self.threads:
             raise ValueError(f"grid has {self.grid.copies} copies of its sums; {self.threads} threads need as many")
-        self.arrivals = ti.field(ti.i32, shape=64)
-        self.passed = 0
+        self.barrier, self.lanes = Barrier(self.threads), None
 
     @property
     def waits(self) -> int:
@@ -45,24 +43,19 @@ class Loops:
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
         """Steps `done` to `done + count` of a schedule of `steps` (see `Solver.advance`)."""
-        if self.shared:
+        if self.lanes:
+            self.lanes.run(done, count, steps, dt, *schedule)
+        elif self.shared:
             for number in range(done, done + count):
                 self._step_shared(number, steps, dt, *schedule)
         elif self.threads == 1:
             self._steps_alone(done, count, steps, dt, *schedule)
         else:
-            if self.passed > 1_000_000_000:
-                self.arrivals.fill(0)
-                self.passed = 0
-            self._steps_together(done, count, steps, dt, *schedule, self.passed)
-            self.passed += self.waits * self.threads * count
-
-    def lost(self) -> bool:
-        """Whether a thread waited in vain for the others."""
-        return self.threads > 1 and bool(self.arrivals[LOST])
+            self._steps_together(done, count, steps, dt, *schedule, self.barrier.reserve(count * self.waits))
 
     @ti.func
-    def _at(self, number, steps, dt, g0, g1, v0, v1, filling_drag):
+    def at(self, number, steps, dt, g0, g1, v0, v1, filling_drag):
+        """Step `number` of a schedule that goes from g0, v0 to g1, v1 in so many steps."""
         part = (number + 0.5) / steps
         return Step(
             dt=dt, gravity=g0 + part * (g1 - g0), plate_velocity=v0 + part * (v1 - v0), filling_drag=filling_drag
@@ -75,14 +68,14 @@ class Loops:
         for _phase, over, do, option in ti.static(self.phases):
             if ti.static(over == POINTS):
                 for p in range(self.particles.active[None]):
-                    do(p, 0, self._at(number, steps, dt, g0, g1, v0, v1, filling_drag), option, True)
+                    do(p, 0, self.at(number, steps, dt, g0, g1, v0, v1, filling_drag), option, True)
             else:
                 for k in range(self.grid.nodes):
                     j = k // self.grid.columns
                     i = k - j * self.grid.columns
-                    do(i, j, self._at(number, steps, dt, g0, g1, v0, v1, filling_drag), option, True)
+                    do(i, j, self.at(number, steps, dt, g0, g1, v0, v1, filling_drag), option, True)
         for t in range(1):
-            self.grid.follow(t, self._at(number, steps, dt, g0, g1, v0, v1, filling_drag))
+            self.grid.follow(t, self.at(number, steps, dt, g0, g1, v0, v1, filling_drag))
 
     @ti.kernel
     def _steps_alone(
@@ -91,7 +84,7 @@ class Loops:
     ):  # fmt: skip
         ti.loop_config(serialize=True)
         for number in range(done, done + count):
-            step = self._at(number, steps, dt, g0, g1, v0, v1, filling_drag)
+            step = self.at(number, steps, dt, g0, g1, v0, v1, filling_drag)
             for _phase, over, do, option in ti.static(self.phases):
                 if ti.static(over == POINTS):
                     for p in range(self.particles.active[None]):
@@ -113,11 +106,10 @@ class Loops:
             first, last = t * points // self.threads, (t + 1) * points // self.threads
             low, high = t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads
             for number in range(count):
-                step = self._at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
-                arrivals = passed + self.threads * self.waits * number
+                step = self.at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
                 for phase, over, do, option in ti.static(self.phases):
                     if ti.static(phase > 0):
-                        self._wait(arrivals + phase * self.threads)
+                        self.barrier.wait(passed, number * self.waits + phase - 1)
                     if ti.static(over == POINTS):
                         for p in range(first, last):
                             do(p, t, step, option, False)
@@ -126,13 +118,3 @@ class Loops:
                             for i in range(self.grid.columns):
                                 do(i, j, step, option, False)
                 self.grid.follow(t, step)
-
-    @ti.func
-    def _wait(self, arrivals):
-        """Wait until all threads have arrived."""
-        ti.atomic_add(self.arrivals[0], 1)
-        turns = 0
-        while ti.atomic_max(self.arrivals[0], -1) < arrivals and turns < SPIN_LIMIT and self.arrivals[LOST] == 0:
-            turns += 1  # the maximum with -1 is an atomic load
-        if turns >= SPIN_LIMIT:
-            self.arrivals[LOST] = 1

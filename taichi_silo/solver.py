@@ -10,15 +10,18 @@ from taichi_silo.faults import RunFailed
 from taichi_silo.filters import Unfiltered
 from taichi_silo.geometry import Setting
 from taichi_silo.grid import Grid
+from taichi_silo.lanes import Lanes
 from taichi_silo.loops import NODES, POINTS, Loops
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
 from taichi_silo.phases import (
+    affine_of,
     at_point,
     deform,
     echo_node,
     echo_point,
-    gradient,
+    gather,
+    gradient_of,
     integrate_node,
     move,
     respond,
@@ -41,8 +44,26 @@ class Books:
     """
 
     def __init__(self, walls: int, grid: Grid):
-        self.reaction = ti.Vector.field(2, real, shape=(max(walls, 1), max(grid.columns, grid.rows)))
-        self.control = ti.Vector.field(2, real, shape=grid.rows)
+        self.reaction = ti.field(real, shape=(max(walls, 1), max(grid.columns, grid.rows), 2))
+        self.control = ti.field(real, shape=(grid.rows, 2))
+
+    @ti.func
+    def react(self, wall: ti.template(), slot, impulse, shared: ti.template()):
+        """A wall has given the sand an impulse."""
+        for c in ti.static(range(2)):
+            if ti.static(shared):
+                self.reaction[wall, slot, c] += impulse[c]
+            else:
+                self.reaction[wall, slot, c] = self.reaction[wall, slot, c] + impulse[c]
+
+    @ti.func
+    def brake(self, row, impulse, shared: ti.template()):
+        """The noise control has given a row of nodes an impulse."""
+        for c in ti.static(range(2)):
+            if ti.static(shared):
+                self.control[row, c] += impulse[c]
+            else:
+                self.control[row, c] = self.control[row, c] + impulse[c]
 
     def take(self) -> tuple[np.ndarray, np.ndarray]:
         """Reaction (walls, slots, 2) and control (rows, 2), and start anew."""
@@ -72,13 +93,14 @@ class Solver(Loops):
         et al. 1995).
     filtering : a class of `taichi_silo.filters`, or None.
     shared : see `Loops`; None chooses.
+    lanes : whether eight points go at once (see lanes.py); None: wherever that is possible.
 
     """
 
     def __init__(
         self, particles: Particles, grid: Grid, shape, law, walls=(), control: NoiseControl | None = None,
         down=(0.0, -1.0), averaging=None, setting: Setting | None = None, shared: bool | None = None,
-        transfer=None, stress_update: str = "last", filtering=None,
+        transfer=None, stress_update: str = "last", filtering=None, lanes: bool | None = None,
     ):  # fmt: skip
         self.particles, self.grid, self.shape, self.law = particles, grid, shape, law
         self.walls, self.control = tuple(walls), control or NoiseControl()
@@ -87,11 +109,16 @@ class Solver(Loops):
         self.echo_walls = () if self.transfer.ECHO else self.walls
         self.filter = filtering(particles, grid, law) if filtering else Unfiltered()
         self.down = ti.Vector([float(down[0]), float(down[1])])
+        self.stress_update = stress_update
         super().__init__(shared)
         self.phases = tuple((number, *phase) for number, phase in enumerate(self.program(stress_update)))
         self.books = Books(len(self.walls), grid)
         self.stable_fraction = shape.stable_fraction
         self.surveyor = Survey(particles, grid, law, self.shared)
+        hindrance = Lanes.why_not(self)
+        if lanes and hindrance:
+            raise ValueError(f"the step cannot run on lanes because {hindrance}")
+        self.lanes = Lanes(self) if lanes or (lanes is None and not shared and not hindrance) else None
 
     # --- the step -----------------------------------------------------------------------------------------------
 
@@ -156,7 +183,7 @@ class Solver(Loops):
             if a thread waited in vain for the others.
 
         """
-        if self.lost():
+        if self.barrier.lost():
             raise RunFailed("because the threads of a step lost each other; use fewer on a machine this busy")
         found = self.surveyor.take()
         found.stable_step = found.transit * self.stable_fraction
@@ -195,37 +222,60 @@ class Solver(Loops):
     @ti.func
     def _gather(self, p, t, step, field: ti.template(), shared: ti.template()):
         """Grid to particles: motion, and stress from the gradient of a nodal velocity."""
-        L = gradient(self.particles, self.grid, self.shape, field, self.setting.geometry, p, t)
-        move(self.particles, self.grid, self.shape, self.transfer, self.control, p, step, t)
-        deform(self.particles, self.grid, self.shape, self.transfer, p, t, L, step.dt)
-        self._strain(p, L, step)
+        self.take(0, p, t, step, self._taken(p, t, field), True, True)
 
     @ti.func
     def _stress(self, p, t, step, field: ti.template(), shared: ti.template()):
         """Grid to particles: stress only."""
-        self._strain(p, gradient(self.particles, self.grid, self.shape, field, self.setting.geometry, p, t), step)
+        self.take(0, p, t, step, self._taken(p, t, field), False, True)
 
     @ti.func
     def _move(self, p, t, step, field: ti.template(), shared: ti.template()):
         """Grid to particles: motion only."""
-        L = gradient(self.particles, self.grid, self.shape, field, self.setting.geometry, p, t)
-        move(self.particles, self.grid, self.shape, self.transfer, self.control, p, step, t)
-        deform(self.particles, self.grid, self.shape, self.transfer, p, t, L, step.dt)
-
-    @ti.func
-    def _strain(self, p, L, step):
-        """Stress of point p under a velocity gradient, unless it waits for the neighbours' strain rates."""
-        D, spin = (L[0], L[3], L[4], 0.5 * (L[1] + L[2])), 0.5 * (L[1] - L[2])
-        length = norm(D)
-        if ti.static(self.averaging.ACTIVE):
-            self.averaging.motion[p] = ti.Vector([D[0], D[1], D[2], D[3], spin])
-            self.averaging.norm[p] = length
-        else:
-            respond(self.particles, self.law, p, D, spin, length, length, step.dt)
+        self.take(0, p, t, step, self._taken(p, t, field), True, False)
 
     @ti.func
     def _respond(self, p, t, step, option: ti.template(), shared: ti.template()):
         """Stress of point p under the non-local norm of the strain rate."""
-        L = self.averaging.motion[p]
-        length, mean = self.averaging.norm[p], self.averaging.mean(p)
-        respond(self.particles, self.law, p, (L[0], L[1], L[2], L[3]), L[4], length, mean, step.dt)
+        self.answer(0, p, step, self.averaging.mean(p))
+
+    # --- a point p, or a group p of lanes -----------------------------------------------------------------------
+
+    @ti.func
+    def _taken(self, p, t, field: ti.template()):
+        """What point p takes of the grid; if the transfer is affine, also its affine field."""
+        if ti.static(self.transfer.GRADIENT == "affine"):
+            self.particles.write(0, "affine", p, affine_of(self.particles, self.grid, self.shape, p, t))
+        return gather(self.particles, self.grid, self.shape, field, p, t)
+
+    @ti.func
+    def _echoed(self, p, t, taken):
+        """What came back from the nodes; the velocity itself if the transfer sends nothing there."""
+        if ti.static(self.transfer.ECHO):
+            back = at_point(self.particles, self.grid, self.shape, self.grid.echo, p, t)
+            return back[0], back[1]
+        return taken[0], taken[1]
+
+    @ti.func
+    def take(self, lanes: ti.template(), p, t, step, taken, motion: ti.template(), stress: ti.template()):
+        """Motion, and stress, of a point that has taken its eight slots from the grid (see phases.py)."""
+        L = gradient_of(self.particles, self.grid, self.setting.geometry, lanes, p, t, taken)
+        if ti.static(motion):
+            move(
+                self.particles, self.grid, self.transfer, self.control, lanes, p, step, taken,
+                self._echoed(p, t, taken),
+            )  # fmt: skip
+            deform(self.particles, self.grid, self.shape, self.transfer, lanes, p, t, L, step.dt)
+        if ti.static(stress):
+            D, spin = (L[0], L[3], L[4], 0.5 * (L[1] + L[2])), 0.5 * (L[1] - L[2])
+            length = norm(D)
+            if ti.static(self.averaging.ACTIVE):  # it waits for the neighbours' strain rates
+                self.averaging.keep(lanes, p, D, spin, length)
+            else:
+                respond(self.particles, self.law, lanes, p, D, spin, length, length, step.dt)
+
+    @ti.func
+    def answer(self, lanes: ti.template(), p, step, d_bar):
+        """Stress of a point whose strain rate was kept, with the non-local norm d_bar [1/s]."""
+        d0, d1, d2, d3, spin, length = self.averaging.kept(lanes, p)
+        respond(self.particles, self.law, lanes, p, (d0, d1, d2, d3), spin, length, d_bar, step.dt)

@@ -64,9 +64,10 @@ def at_point(s: ti.template(), p, dt):
     stress = s.particles.stress[p]
     e = s.particles.volume[p] * s.law.grain_density / s.particles.mass[p] - 1.0
     square = s.law.stiffness((stress[0], stress[1], stress[2], stress[3]), e) * (1.0 + e) / s.law.grain_density
+    dx, dy = 1.0 / s.grid.cell_size, 1.0 / s.grid.cell_height(0)
     total = 0.0
     for patch in ti.static(range(s.shape.PATCHES)):
-        _i, _j, sx, gx, sy, gy, dx, dy = weights(s.particles, s.grid, s.shape, p, 0, patch)
+        _i, sx, gx, _j, sy, gy = weights(s.particles, s.grid, s.shape, 0, p, 0, patch)
         for b in ti.static(range(s.shape.NODES)):
             for a in ti.static(range(s.shape.NODES)):
                 weight = sx[a] * sy[b]

@@ -2,7 +2,11 @@
 
 The contract of a law, a frozen dataclass (so that equal laws share one compiled kernel):
 
-`rate(stress, h, void_ratio, D, d_bar)`
+`factors(stress, void_ratio)`
+    what changes slowly with the state and is dear to compute: exponentials, powers.
+`later(factors, growth_of_trace, swelling)`
+    those after small changes of tr T [Pa] and of the void ratio, without computing them anew.
+`rate(stress, h, factors, D, d_bar)`
     Jaumann stress rate [Pa/s] of a stress (xx, yy, zz, xy) [Pa, tension positive] under the strain rate D [1/s];
     `d_bar` is the norm of the strain rate that a non-local law averages, ||D|| for a local one.
 `admissible(stress, void_ratio)`

@@ -33,7 +33,17 @@ class Elastic:
         return 0.5 * self.young_modulus_Pa / (1.0 + self.poisson_ratio)
 
     @ti.func
-    def rate(self, stress, h, void_ratio, D, d_bar):
+    def factors(self, stress, void_ratio):
+        """None."""
+        return (0.0 * void_ratio,)
+
+    @ti.func
+    def later(self, factors, growth_of_trace, swelling):
+        """The same."""
+        return factors
+
+    @ti.func
+    def rate(self, stress, h, factors, D, d_bar):
         """Jaumann stress rate [Pa/s]."""
         zero = 0.0 * d_bar
         spherical = shifted((zero, zero, zero, zero), self.lame * trace(D))

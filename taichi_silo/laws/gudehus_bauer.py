@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from taichi_silo.maths import exp_minus, power
+from taichi_silo.maths import exp_minus, greatest, power
 from taichi_silo.tensors import (
     added,
     chosen,
@@ -20,7 +20,6 @@ from taichi_silo.tensors import (
     pressure_of,
     scaled,
     shifted,
-    trace,
     trace_of_cube,
 )
 
@@ -82,57 +81,89 @@ class GudehusBauer:
         return self.e_d0 * shrink, self.e_c0 * shrink, self.e_i0 * shrink
 
     @ti.func
-    def factors(self, pressure, void_ratio):
-        """(f_s [Pa], f_d): barotropy and pyknotropy at mean stress p [Pa], with e kept within e_d and e_i."""
-        crowding = power(3.0 * pressure / self.granular_hardness_Pa, self.n)
+    def factors(self, stress, void_ratio):
+        """Barotropy f_s [Pa], pyknotropy f_d, 1 / tr T [1/Pa], and the derivatives that `later` needs.
+
+        The void ratio is kept within e_d and e_i. Divisions cost more than all the rest: four share one.
+        """
+        pressure = ti.max(pressure_of(stress), self.rest_stress)
+        crowding = power(pressure * (3.0 / self.granular_hardness_Pa), self.n)
         shrink = exp_minus(crowding)
         e_i = self.e_i0 * shrink
         e = ti.min(void_ratio, e_i)
-        above = ti.max(e - self.e_d0 * shrink, 0.0) / ((self.e_c0 - self.e_d0) * shrink)
+        by_p_x, by_e = pressure * crowding, e * shrink
+        share = 1.0 / (by_p_x * by_e)
+        per_p_x, per_e_shrink = share * by_e, share * by_p_x
+        per_pressure, per_crowding = per_p_x * crowding, per_p_x * pressure
+        per_e, per_shrink = per_e_shrink * shrink, per_e_shrink * e
+        measure = per_shrink * (1.0 / (self.e_c0 - self.e_d0))
+        above = ti.max(e - self.e_d0 * shrink, 0.0) * measure  # (e - e_d) / (e_c - e_d)
         f_d = power(above, self.alpha)
-        # h_s/n (3p/h_s)^(1-n) = 3p / (n (3p/h_s)^n)
-        f_s = 3.0 * pressure / (self.n * self.h_i * crowding) * power(e_i / e, self.beta) * (1.0 + e_i) / e_i
-        return f_s, f_d
+        # h_s/n (3p/h_s)^(1-n) = 3p / (n (3p/h_s)^n);  (1 + e_i) / e_i = 1 + 1 / e_i
+        f_s = (3.0 / (self.n * self.h_i)) * pressure * per_crowding * power(e_i * per_e, self.beta)
+        f_s = f_s * (1.0 + per_shrink * (1.0 / self.e_i0))
+        fading = self.n * crowding  # -d ln e_d, e_c, e_i / d ln p
+        stiffening = self.degree - fading * (self.beta - 1.0 / (1.0 + self.e_i0))  # d ln f_s / d ln p
+        softening = self.beta * per_e  # -d ln f_s / d e
+        loosening = self.alpha * f_d * measure / ti.max(above, 1e-6)  # d f_d / d e
+        return f_s, f_d, per_pressure * (-1.0 / 3.0), stiffening, softening, loosening, e * fading
+
+    @ti.func
+    def later(self, factors, growth_of_trace, swelling):
+        """The factors after small changes of tr T [Pa] and of the void ratio."""
+        f_s, f_d, per_trace, stiffening, softening, loosening, fading = factors
+        rise = ti.max(ti.min(growth_of_trace * per_trace, 0.1), -0.1)
+        stiffer = f_s * (1.0 + stiffening * rise - softening * swelling)
+        looser = ti.max(f_d + loosening * (swelling + fading * rise), 0.0)
+        square = rise * rise
+        return (
+            stiffer, looser, per_trace * ((1.0 - rise) * (1.0 + square * (1.0 + square))),
+            stiffening, softening, loosening, fading,
+        )  # fmt: skip
 
     @ti.func
     def a1(self, deviator):
-        """a1 of a normalised deviator T^*: 1/a1 = c1 + c2 ||T^*|| (1 + cos 3 theta)."""
+        """a1 of a normalised deviator T^*: 1/a1 = c1 + c2 ||T^*|| (1 + cos 3 theta), by one division."""
         square = inner(deviator, deviator) + 1e-24
-        size = ti.sqrt(square)
-        cos_3theta = ti.min(ti.max(-SQRT6 * trace_of_cube(deviator) / (square * size), -1.0), 1.0)
-        return 1.0 / (self.c1 + self.c2 * size * (1.0 + cos_3theta))
+        full = ti.sqrt(square) * square
+        # ||T^*||^3 (1 + cos 3 theta), with cos 3 theta between -1 and 1
+        round = ti.min(ti.max(full - SQRT6 * trace_of_cube(deviator), 0.0), 2.0 * full)
+        return square / (self.c1 * square + self.c2 * round)
 
     @ti.func
-    def operators(self, stress, void_ratio):
+    def operators(self, stress, factors):
         """What the rate is made of: f_s a1^2, f_s [Pa], T^ and N = f_s f_d a1 (T^ + T^*) [Pa].
 
         The linear operator is L : X = f_s (a1^2 X + T^ (T^ : X)).
         """
-        tr = ti.min(trace(stress), -3.0 * self.rest_stress)
-        relative = scaled(stress, 1.0 / tr)
+        f_s, f_d, per_trace, _, _, _, _ = factors
+        relative = scaled(stress, per_trace)
         deviator = shifted(relative, pressure_of(relative))
-        f_s, f_d = self.factors(tr * (-1.0 / 3.0), void_ratio)
         a1 = self.a1(deviator)
         return f_s * a1 * a1, f_s, relative, scaled(added(relative, deviator, 1.0), f_s * f_d * a1)
 
     @ti.func
-    def rate(self, stress, h, void_ratio, D, d_bar):
+    def rate(self, stress, h, factors, D, d_bar):
         """Jaumann stress rate [Pa/s]: L : D + N d_bar."""
-        isotropic, f_s, relative, N = self.operators(stress, void_ratio)
+        isotropic, f_s, relative, N = self.operators(stress, factors)
         return added(added(scaled(D, isotropic), relative, f_s * inner(relative, D)), N, d_bar)
 
     @ti.func
     def admissible(self, stress, void_ratio):
         """No tension in any direction, and separated grains (p below rest stress, or e above e_i0) at rest stress."""
+        s0, s1, s2, s3 = stress
         pressure = pressure_of(stress)
-        pull = largest_principal(stress)
-        # the deviator shrinks until the largest principal stress is zero
-        fraction = ti.select(pull > 0.0, pressure / (pressure + ti.max(pull, 1e-30)), 1.0)
-        zero = 0.0 * pressure
-        drawn = shifted(scaled(shifted(stress, pressure), fraction), 0.0 - pressure)
-        resting = shifted((zero, zero, zero, zero), zero - self.rest_stress)
-        apart = ti.max(self.rest_stress - pressure, void_ratio - self.e_i0) > 0.0
-        return chosen(apart, resting, drawn)
+        separated = ti.max(self.rest_stress - pressure, void_ratio - self.e_i0)
+        # compression in all directions: xx < 0, zz < 0 and xx yy > xy^2
+        if greatest(ti.max(ti.max(s0, s2), ti.max(s3 * s3 - s0 * s1, separated))) > 0.0:
+            pull = largest_principal(stress)
+            # the deviator shrinks until the largest principal stress is zero
+            fraction = ti.select(pull > 0.0, pressure / (pressure + ti.max(pull, 1e-30)), 1.0)
+            zero = 0.0 * pressure
+            drawn = shifted(scaled(shifted(stress, pressure), fraction), 0.0 - pressure)
+            resting = shifted((zero, zero, zero, zero), zero - self.rest_stress)
+            s0, s1, s2, s3 = chosen(separated > 0.0, resting, drawn)
+        return s0, s1, s2, s3
 
     @ti.func
     def stiffness(self, stress, void_ratio):
@@ -147,9 +178,8 @@ class GudehusBauer:
     @ti.func
     def moduli(self, stress, void_ratio):
         """The two parts of `stiffness` [Pa]: of L and of N."""
-        tr = ti.min(trace(stress), -3.0 * self.rest_stress)
-        relative = scaled(stress, 1.0 / tr)
-        f_s, f_d = self.factors(tr * (-1.0 / 3.0), void_ratio)
+        f_s, f_d, per_trace, _, _, _, _ = self.factors(stress, void_ratio)
+        relative = scaled(stress, per_trace)
         a1 = self.a1(shifted(relative, pressure_of(relative)))
         largest = ti.min(largest_principal(relative), 1.0)
         return f_s * (a1 * a1 + largest * largest), f_s * f_d * a1 * (2.0 * largest - 1.0 / 3.0)

@@ -82,9 +82,19 @@ class Intergranular:
         return ti.min(size / self.radius, 1.0), scaled(h, 1.0 / (size + 1e-30))
 
     @ti.func
-    def rate(self, stress, h, void_ratio, D, d_bar):
+    def factors(self, stress, void_ratio):
+        """Of the skeleton."""
+        return self.skeleton.factors(stress, void_ratio)
+
+    @ti.func
+    def later(self, factors, growth_of_trace, swelling):
+        """As the skeleton says."""
+        return self.skeleton.later(factors, growth_of_trace, swelling)
+
+    @ti.func
+    def rate(self, stress, h, factors, D, d_bar):
         """Jaumann stress rate [Pa/s]; a non-local d_bar enters N in the proportion d_bar / ||D||."""
-        isotropic, f_s, relative, N = self.skeleton.operators(stress, void_ratio)
+        isotropic, f_s, relative, N = self.skeleton.operators(stress, factors)
         rho, along_h = self.direction(h)
         mobilised = power(rho, self.chi)
         along = inner(along_h, D)

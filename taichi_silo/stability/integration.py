@@ -21,7 +21,7 @@ def _euler(law: ti.template(), states: ti.types.ndarray(), strains: ti.types.nda
         stress = (states[p, 0], states[p, 1], states[p, 2], states[p, 3])
         D = (strains[p, 0], strains[p, 1], strains[p, 2], strains[p, 3])
         zero = 0.0 * states[p, 4]
-        rate = law.rate(stress, (zero, zero, zero, zero), states[p, 4], D, norm(D))
+        rate = law.rate(stress, (zero, zero, zero, zero), law.factors(stress, states[p, 4]), D, norm(D))
         new = added(stress, rate, 1.0)
         for k in ti.static(range(4)):
             out[p, k] = new[k]

@@ -31,7 +31,7 @@ class Means:
             self.found[p] = self.average.mean(p)
 
     def __call__(self, norm):
-        self.average.norm.from_numpy(np.ascontiguousarray(norm, dtype=float))
+        self.average.norm.from_numpy(np.append(norm, 0.0))
         self.read()
         return self.found.to_numpy()
 

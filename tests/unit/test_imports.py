@@ -6,12 +6,12 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
-    ["runtime", "maths", "tensors", "faults"],
+    ["runtime", "maths", "tensors", "faults", "barrier"],
     ["grid", "particles", "noise", "geometry", "table"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
     ["phases", "survey"],
-    ["filters"],
+    ["filters", "lanes"],
     ["solver"],
     ["variant"],
     ["scene"],
