@@ -205,6 +205,7 @@ class Machine(Table):
 
     arch: Literal["cpu", "cuda"] = "cpu"
     threads: int = Field(default_factory=lambda: min(2, cores()), ge=1)
+    lanes: bool = Field(True, description="eight points at once on the CPU's vector unit, where that can be trusted")
 
     @field_validator("threads")
     @classmethod

@@ -13,7 +13,8 @@ from taichi_silo.grid import MARGIN, Grid
 from taichi_silo.laws.stress_point import wave_speed
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
-from taichi_silo.runtime import threads
+from taichi_silo.proof import failure
+from taichi_silo.runtime import is_cpu, threads
 from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
 from taichi_silo.solver import Solver
@@ -87,7 +88,7 @@ class Simulation:
     Iterate over `run()`: it yields a `Record` after each interval. Observers look at the public attributes in between.
     """
 
-    def __init__(self, scene: Scene, control: NoiseControl | None = None):
+    def __init__(self, scene: Scene, control: NoiseControl | None = None, lanes: bool | None = None):
         self.scene = scene
         self.warnings = weaknesses(scene)  # sentences on what is known, and what observers find
         # mass scaling: heavier grains under a smaller gravity have the same weight
@@ -98,6 +99,7 @@ class Simulation:
         self.settled = False  # whether the wall force had come to rest before the flow
         self.flow_start, self.bottom_speed = None, 0.0  # [s], [m/s]
         self.steps, self.stepping_seconds = 0, 0.0
+        self.after, self.seen = None, None  # last survey, and of which points
         h = scene.grid.cell_size_m
         per_axis = math.isqrt(scene.grid.points_per_cell)
         self.spacing = h / per_axis
@@ -121,10 +123,19 @@ class Simulation:
         self.solver = Solver(
             self.particles, grid, self.shape, self.law, self._walls(grid), control,
             averaging=NonLocal(kernel, self.particles, self.spacing) if kernel else None,
-            **scene.method.solver_options(),
+            lanes=self._choose_lanes() if lanes is None else lanes, **scene.method.solver_options(),
         )  # fmt: skip
         self.mass = float(self.particles.mass.to_numpy().sum())
         self.solver.advance(0, 1.0)  # compiles
+
+    def _choose_lanes(self) -> bool | None:
+        """None if lanes may be used, False if not; a warning says why."""
+        if not self.scene.machine.lanes:
+            return False
+        if not is_cpu() or not (why := failure()):
+            return None
+        self.warnings.append(f"The processor's vector unit is not used: {why}. Steps take two to four times as long.")
+        return False
 
     def _fill_box(self) -> Particles:
         scene, d = self.scene, self.spacing
@@ -212,7 +223,7 @@ class Simulation:
 
     def _interval(self, duration: float, gravity, plate_velocity) -> Record:
         scene, solver = self.scene, self.solver
-        before = solver.survey()
+        before = self.after if self.seen == self.particles.loads else solver.survey()
         # while the weight grows so does the wave speed: stiffness goes with a power of the stress, the law's degree
         growth = (gravity[0] / gravity[1]) ** (0.5 * self.law.degree) if gravity[0] > 0.0 else FIRST_STEP
         step = scene.method.time_step(before, STEP_SAFETY) * (growth if scene.method.time_step_s is None else 1.0)
@@ -223,7 +234,8 @@ class Simulation:
         solver.advance(steps, dt, gravity, plate_velocity, filling)
         reaction, control = solver.books.take()  # waits for the device
         self.stepping_seconds += time.perf_counter() - begun
-        after = solver.survey()
+        after = self.after = solver.survey()
+        self.seen = self.particles.loads
         if after.strays:
             raise RunFailed(self._astray(after.strays, dt))
         self.time += duration

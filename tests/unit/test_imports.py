@@ -16,7 +16,7 @@ LAYERS = [
     ["variant"],
     ["scene"],
     ["weaknesses"],
-    ["simulation", "specimen", "sands"],
+    ["proof", "simulation", "specimen", "sands"],
     ["element", "folder", "ledger", "timestep"],
     ["stability"],
     ["plots"],
