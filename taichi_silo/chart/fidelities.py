@@ -36,7 +36,7 @@ def choose(rows: pd.DataFrame, floor: float) -> dict[str, Fidelity]:
         within = best[best.error_N <= bound]
         row = (within if len(within) else best.tail(1)).iloc[0]
         measured = {column: float(row[column]) for column in (*ERRORS, "cost_core_seconds") if pd.notna(row[column])}
-        settings = {path: row[path].item() if hasattr(row[path], "item") else row[path] for path in PATHS}
+        settings = {path: row[path].item() for path in PATHS if path in row}
         found[name] = Fidelity(settings=settings, reference=row.reference, **measured)
     return found
 

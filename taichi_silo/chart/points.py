@@ -30,7 +30,7 @@ from taichi_silo.simulation import Simulation
 from taichi_silo.table import Table
 
 FORMAT = 1  # of the files; those of another one are made anew
-NUDGE = 1e-12  # of the stress at the start, relative: what rounding might do
+NUDGE = 1e-12  # of the places at the start, over the spacing: what rounding might do
 
 
 class Point(Table):
@@ -103,8 +103,8 @@ def simulate(one: Point, told=lambda cost: None) -> dict:
     simulation = Simulation(scene)
     if one.nudge:
         arrays = simulation.particles.arrays()
-        part = np.random.default_rng(one.nudge).standard_normal(arrays["stress"].shape)
-        simulation.particles.load(arrays | {"stress": arrays["stress"] * (1.0 + NUDGE * part)})
+        shift = NUDGE * simulation.spacing * np.random.default_rng(one.nudge).standard_normal(arrays["position"].shape)
+        simulation.particles.load(arrays | {"position": arrays["position"] + shift})
     expected = predict(simulation)
     told(expected)
     records, profile = Records(), WallProfile()
