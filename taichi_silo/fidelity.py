@@ -24,6 +24,11 @@ class Fidelity(Table):
     cost_core_seconds: float | None = None
     reference: str | None = None
 
+    def values(self, table: str, **given) -> dict:
+        """Of one table of the scene, such as "grid"; values that are given and not None come first."""
+        own = {path.split(".")[1]: value for path, value in self.settings.items() if path.split(".")[0] == table}
+        return own | {name: value for name, value in given.items() if value is not None}
+
     def words(self) -> str:
         """What was measured, in a sentence."""
         if self.error_N is None:
