@@ -23,11 +23,11 @@ from taichi_silo import cli, runtime
 from taichi_silo.chart.dials import FULL, SHORT
 from taichi_silo.chart.fidelities import choose, write
 from taichi_silo.chart.limit import limit, sentence
-from taichi_silo.chart.plan import Entry, entries, paths, runs
+from taichi_silo.chart.plan import ROUNDING, Entry, entries, paths, runs
 from taichi_silo.chart.points import kept
 from taichi_silo.chart.table import chart as table_of
 from taichi_silo.chart.table import floors
-from taichi_silo.chart.workers import START_S, Workers, expected
+from taichi_silo.chart.workers import START_S, Workers, expected, pace
 from taichi_silo.faults import BadInput, RunFailed
 from taichi_silo.plots.chart import error_figure, speed_figure
 from taichi_silo.plots.style import STYLE
@@ -45,33 +45,30 @@ def chart(
 ):
     """Measure error against cost for every dial of the method."""
     planned = entries(FULL if full else SHORT, walls, dial)
-    folder = output.expanduser() / "points"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BadInput(f"output {output} cannot be written: {error.strerror or error}") from error
     if jobs is not None and jobs > cores():
         raise BadInput(f"jobs is {jobs}; this machine has 1 to {cores()} cores")
-    points = runs(planned)
-    if overwrite:
-        for key in points:
-            (folder / f"{key}.json").unlink(missing_ok=True)
-    names = {}
+    jobs, folder, points, names = jobs or cores(), output.expanduser() / "points", runs(planned), {}
     for entry in planned:
         names.setdefault(entry.point.key, f"{entry.walls}, {entry.dial} {entry.setting}")
-    there = numbers(points, folder)
+    there = {} if overwrite else numbers(points, folder)
     runtime.init()
-    costs = expected(points, there)
-    jobs = jobs or cores()
+    base = next(entry.point for entry in planned if entry.dial == ROUNDING)
+    costs = expected(points, pace(there, base))
     missing = [key for key in points if key not in there]
     for key in missing:
-        print(f"{names[key]:56s} {costs[key].steps:12,} steps  {costs[key].core_seconds:9.3g} core-seconds")
+        print(f"{names[key]:60s} {costs[key].steps:12,} steps  {costs[key].core_seconds:9.3g} core-seconds")
     whole = sum(costs[key].core_seconds + START_S for key in missing)
     longest = max((costs[key].core_seconds for key in missing), default=0.0)
     minutes = max(whole / jobs, longest) / 60.0
     print(f"{len(there)} runs are there, {len(missing)} to do: about {minutes:.1f} minutes on {jobs} cores", flush=True)
     if estimate:
         return
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInput(f"output {output} cannot be written: {error.strerror or error}") from error
+    for key in missing:
+        (folder / f"{key}.json").unlink(missing_ok=True)
     lost = Workers(folder, jobs, lambda words: print(words, flush=True)).run(points, names, costs)
     leave(planned, numbers(points, folder), output.expanduser())
     if lost:

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import statistics
 import subprocess
 import sys
 import threading
@@ -11,21 +12,29 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 from taichi_silo.chart.points import Point, kept
-from taichi_silo.cost import Cost, steps
+from taichi_silo.cost import Cost, rehearse, steps
+from taichi_silo.simulation import Simulation
 
 START_S = 6.0  # of a process: Taichi's start and the compilation of the step
-USUAL_NS = 150.0  # of a point and step on one core, until a point has been measured
 
 
-def expected(points: dict[str, Point], found: dict[str, dict]) -> dict[str, Cost]:
-    """Of each point, before it starts: counted steps, at the pace of the finished points; Taichi has been started."""
-    paces = [run["cost"]["core_seconds"] / (run["cost"]["points"] * run["cost"]["steps"]) for run in found.values()]
-    pace = sorted(paces)[len(paces) // 2] if paces else 1e-9 * USUAL_NS
-    costs = {}
-    for key, one in points.items():
-        count = steps(one.scene)
-        costs[key] = Cost(one.scene.points, count, pace * one.scene.points * count)
-    return costs
+def pace(found: dict[str, dict], base: Point) -> float:
+    """Seconds of a point and step on one core: median of the finished points, or of a rehearsal of the base.
+
+    Taichi has been started.
+    """
+    costs = [run["cost"] for run in found.values()]
+    if costs:
+        return statistics.median(cost["core_seconds"] / (cost["points"] * max(cost["steps"], 1)) for cost in costs)
+    return rehearse(Simulation(base.scene)) / base.scene.points
+
+
+def expected(points: dict[str, Point], seconds: float) -> dict[str, Cost]:
+    """Of each point, before it starts: its number of steps, at a pace in seconds a point and step."""
+    return {
+        key: Cost(one.scene.points, count := steps(one.scene), seconds * one.scene.points * count)
+        for key, one in points.items()
+    }
 
 
 class Workers:
@@ -57,7 +66,7 @@ class Workers:
                     lost[key] = trouble
                 seconds = (kept(points[key], self.folder) or {}).get("cost", {}).get("core_seconds")
                 word = trouble or f"{seconds:.3g} core-seconds"
-                self.say(f"{100 * done / whole:5.1f} %  {names[key]:50s} {word:24s} {left / 60:5.1f} min left")
+                self.say(f"{100 * done / whole:5.1f} %  {names[key]:60s} {word:24s} {left / 60:5.1f} min left")
         except BaseException:
             self._stop()
             raise
@@ -93,7 +102,7 @@ class Workers:
         for line in child.stdout:
             try:
                 cost = json.loads(line)
-                self.say(f"         {name:50s} {cost['steps']:,} steps, about {cost['core_seconds']:.3g} core-seconds")
+                self.say(f"         {name:60s} {cost['steps']:,} steps, about {cost['core_seconds']:.3g} core-seconds")
             except (ValueError, KeyError, TypeError):
                 rest.append(line)
         errors = child.stderr.read()
