@@ -61,7 +61,7 @@ def question(*speeds: float, cell: float = 0.01) -> list[Dial]:
 
     def series(name: str, **others) -> Dial:
         shared = {"grid__cell_size_m": cell} | others
-        return dial(f"speed, {name}", SPEED, *speeds, purpose="speed", **shared)
+        return dial(f"speed: {name}", SPEED, *speeds, purpose="speed", **shared)
 
     return [
         series("as it is"),

@@ -107,7 +107,7 @@ def speed_figure(rows: pd.DataFrame, floor: float) -> Figure:
         series = series.sort_values("flow.speed_m_per_s")
         look = {"color": COLORS[k % len(COLORS)], "marker": MARKERS[k], "markersize": 7, "linewidth": 1.6}
         force = 1e-3 * series["residual_N_N_per_m"]
-        left.plot(1e3 * series["flow.speed_m_per_s"], force, label=name.removeprefix("speed, "), **look)
+        left.plot(1e3 * series["flow.speed_m_per_s"], force, label=name.removeprefix("speed: "), **look)
         scaled = series.get("method.mass_scaling", 1.0)  # the certificate's number is that of true masses
         right.plot(series.inertial_number_99th_percentile * scaled**0.5, force, **look)
         slowest = force.dropna().iloc[:1]

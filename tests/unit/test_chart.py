@@ -32,7 +32,7 @@ TINY = Program(
             Dial(name="rounding", settings=[{"nudge": 1}]),
             Dial(name="bottom speed", settings=[{"flow.speed_m_per_s": v} for v in (0.02, 0.04)]),
             Dial(name="precision", settings=[{"precision": "f32"}]),
-            Dial(name="speed, as it is", settings=[{"flow.speed_m_per_s": v} for v in (0.02, 0.04)], purpose="speed"),
+            Dial(name="speed: as it is", settings=[{"flow.speed_m_per_s": v} for v in (0.02, 0.04)], purpose="speed"),
         ]
     },
 )
