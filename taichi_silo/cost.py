@@ -77,7 +77,8 @@ def steps(scene: Scene) -> int:
     found = count(filling / rows, speed(2.0 * law.rest_stress) / FIRST_STEP)
     found += sum(count(filling / rows, wave) for wave in growing)
     settling = SETTLING_PERIODS * period
-    if method.noise_control == "none":  # the wall force never rests
+    if method.stress_update != "last" or (method.noise_control == "none" and scene.walls.kind == "smooth"):
+        # the wall force does not come to rest
         settling = max(method.longest_settling_s, LONGEST_SETTLING_PERIODS * period)
     settling = min(settling, max(method.longest_settling_s, LONGEST_SETTLING_PERIODS * period))
     found += round(settling / interval) * count(interval, loaded)

@@ -34,7 +34,7 @@ class Fidelity(Table):
         if self.error_N is None:
             return "its error has not been measured on this version (make chart does)"
         forces = ", ".join(f"{name} {100 * getattr(self, f'error_{name}'):.1f} %" for name in "PTN")
-        return f"error {forces} against {self.reference}; {self.cost_core_seconds:.0f} core-seconds in the chart"
+        return f"error {forces} against {self.reference}; {self.cost_core_seconds:.3g} core-seconds in the chart"
 
 
 def fidelities(file: Path = FILE) -> dict[str, Fidelity]:

@@ -24,7 +24,8 @@ def choose(rows: pd.DataFrame, floor: float) -> dict[str, Fidelity]:
     if bases.empty:
         return {}
     base = bases.iloc[0]
-    some = rows[(rows.purpose == "accuracy") & (rows.dial != REFERENCE)].drop_duplicates("key")
+    itself = rows.key.isin(rows.key[rows.dial == REFERENCE])
+    some = rows[(rows.purpose == "accuracy") & ~itself].drop_duplicates("key")
     for path in rows.columns[rows.columns.get_loc("purpose") + 1 : rows.columns.get_loc("cost_core_seconds")]:
         if path not in PATHS:
             some = some[(some[path] == base[path]) | (some[path].isna() & pd.isna(base[path]))]

@@ -28,13 +28,14 @@ def error_figure(rows: pd.DataFrame, floor: pd.Series) -> Figure:
     floor : errors between runs that differ by rounding only.
 
     """
-    some = rows[(rows.purpose == "accuracy") & (rows.dial != "reference") & (rows.dial != "rounding")]
+    itself = rows.key.isin(rows.key[rows.dial == "reference"])
+    some = rows[(rows.purpose == "accuracy") & (rows.dial != "rounding") & ~itself]
     figure = new_figure(13.0, 7.2)
     grid = figure.add_gridspec(2, 4, width_ratios=(1.0, 1.0, 0.62, 0.62))
     large = figure.add_subplot(grid[:, :2])
     panels = [figure.add_subplot(grid[k // 2, 2 + k % 2]) for k in range(4)]
     for panel, measure in ((large, "error_N"), *zip(panels, SMALL, strict=True)):
-        panel.tick_params(labelsize=12 if panel is large else 9)
+        panel.tick_params(which="both", labelsize=12 if panel is large else 8.5)
         if not some[measure].gt(0.0).any():
             panel.text(0.5, 0.5, "nothing to compare", ha="center", color=REFERENCE, transform=panel.transAxes)
             panel.set(xticks=(), yticks=())

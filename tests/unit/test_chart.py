@@ -212,6 +212,14 @@ def test_the_table_has_every_dial_cost_errors_and_certificate():
     assert floors.error_N.gt(0.0).all()
 
 
+def test_the_reference_is_not_on_the_front_under_another_dial_s_name_either():
+    same = Dial(name="slower", settings=[TINY.reference])
+    rows, _ = rows_of(TINY.model_copy(update={"dials": {"very-rough": [*TINY.dials["very-rough"], same]}}))
+    reference = rows[rows.key == rows.key[0]]
+    assert set(reference.dial) == {"reference", "slower"} and not reference.on_front.any()
+    assert rows.on_front.any()
+
+
 def test_a_run_that_is_not_there_yet_leaves_no_row_and_without_reference_there_is_no_error():
     planned = plan.entries(TINY)
     base = next(entry for entry in planned if entry.dial == plan.ROUNDING)
