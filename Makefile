@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup silo four-cases noise element-tests study-biaxial stability test test-long bench lint clean
+.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart test test-long bench lint clean
 
 setup: $(READY)
 
@@ -37,6 +37,10 @@ study-biaxial: $(READY)
 # where each variant of the method fails: table, figures, page
 stability: $(READY)
 	$(BIN)/python scenarios/stability.py
+
+# speed against accuracy: error and cost of every dial (short; `scenarios/chart.py --full` takes hours)
+chart: $(READY)
+	$(BIN)/python scenarios/chart.py
 
 test: $(READY)
 	$(BIN)/python -m pytest

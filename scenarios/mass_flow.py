@@ -16,6 +16,7 @@ from typing import Annotated
 from typer import Option
 
 from taichi_silo import cli, sands
+from taichi_silo import fidelity as fidelities
 from taichi_silo.folder import free_name
 from taichi_silo.observers.progress import ProgressLine
 from taichi_silo.run import run
@@ -34,12 +35,17 @@ def mass_flow(
     bottom_friction_angle: Annotated[float, Option(help="of the bottom plate [deg]")] = 0.0,
     width: Annotated[float, Option(help="of the silo [m]")] = 0.2,
     height: Annotated[float, Option(help="of the fill [m]")] = 0.5,
-    cell_size: Annotated[float, Option(help="of the grid [m]; divides width and height")] = 0.005,
-    points_per_cell: Annotated[int, Option(help="1, 4, 9, ...")] = 1,
+    fidelity: Annotated[
+        str, Option(help="draft | standard | converged: cell size and speed where they are not given")
+    ] = "standard",
+    cell_size: Annotated[
+        float | None, Option(help="of the grid [m]; divides width and height; 0.005 in standard fidelity")
+    ] = None,
+    points_per_cell: Annotated[int | None, Option(help="1, 4, 9, ...; 1 if not given")] = None,
     shape: cli.ShapeFlag = "ugimp",
     characteristic_length: cli.LengthFlag = None,
     weight: cli.WeightFlag = "gaussian",
-    speed: Annotated[float, Option(help="of the bottom [m/s]")] = 0.002,
+    speed: Annotated[float | None, Option(help="of the bottom [m/s]; 0.002 in standard fidelity")] = None,
     displacement: Annotated[float, Option(help="of the bottom at the end [m]")] = 0.02,
     noise_control: Annotated[str, Option(help="column | none; none is the paper's 'no damping'")] = "column",
     method: cli.MethodFlags = None,
@@ -51,18 +57,21 @@ def mass_flow(
 ):
     """Lower the bottom of a silo with parallel walls and record forces, wall stresses and shear zones."""
     machine = {"arch": arch} if threads is None else {"arch": arch, "threads": threads}
+    chosen = fidelities.fidelity(fidelity)
     scene = Scene(
         silo=Silo(width_m=width, height_m=height),
         sand=sands.sand(sand, void_ratio, law=law),
         walls=Walls(
             kind=walls, friction_angle_deg=wall_friction_angle, bottom_friction_angle_deg=bottom_friction_angle
         ),
-        grid=Mesh(cell_size_m=cell_size, points_per_cell=points_per_cell, shape=shape),
+        grid=Mesh(shape=shape, **chosen.values("grid", cell_size_m=cell_size, points_per_cell=points_per_cell)),
         averaging=Averaging(characteristic_length_m=characteristic_length, weight=weight),
-        flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
+        flow=Flow(displacement_m=displacement, **chosen.values("flow", speed_m_per_s=speed)),
         method=Method(noise_control=noise_control, **method),
         machine=Machine(**machine),
     )
+    if cell_size is None and points_per_cell is None and speed is None:
+        print(f"Fidelity {fidelity}: {chosen.words()}.")
     folder = output.expanduser() if output else free_name(Path("outputs") / f"mass_flow_e{void_ratio:.2f}_{walls}")
     cli.tell(run(scene, folder, overwrite=overwrite, film=film, extra=(ProgressLine(),)))
 

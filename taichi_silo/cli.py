@@ -96,7 +96,10 @@ def command(function: Callable) -> None:
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
     app.command()(with_method_flags(function))
     try:
-        sys.exit(app(standalone_mode=False) or 0)
+        code = app(standalone_mode=False) or 0
+        if code == STOPPED:  # typer's own answer to Ctrl-C
+            raise KeyboardInterrupt
+        sys.exit(code)
     except typer.BadParameter as error:
         _stop(_bad_flag(error), BAD_INPUT)
     except typer.BadParameter.__base__ as error:  # an unknown flag, a flag without its value

@@ -6,6 +6,7 @@ import time
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
+from taichi_silo.cost import predict
 from taichi_silo.observers import Observer
 from taichi_silo.simulation import RAMP_PERIODS
 
@@ -20,11 +21,17 @@ class ProgressLine(Observer):
         self.console = console or Console(stderr=not sys.stdout.isatty())
 
     def begin(self, simulation) -> None:
-        """Estimate the whole in simulated seconds."""
+        """Say what it will cost, and estimate the whole in simulated seconds."""
         scene = simulation.scene
         self.console.print(simulation.about_averaging, highlight=False, soft_wrap=True)
         self.simulation, self.told = simulation, 0
         self._warn()
+        cost = predict(simulation)
+        seconds = cost.core_seconds / simulation.solver.threads
+        self.console.print(
+            f"{cost.points:,} points, about {cost.steps:,} steps: some {_clock(seconds)} minutes of stepping",
+            highlight=False, soft_wrap=True,
+        )  # fmt: skip
         ramp = 0.5 * RAMP_PERIODS * simulation.period
         self.total = (
             simulation.filling_time + 5.0 * simulation.period + ramp

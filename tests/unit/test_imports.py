@@ -15,14 +15,14 @@ LAYERS = [
     ["solver"],
     ["variant"],
     ["scene"],
-    ["weaknesses"],
+    ["weaknesses", "settings", "fidelity"],
     ["proof", "simulation", "specimen", "sands"],
-    ["element", "folder", "ledger", "timestep"],
+    ["element", "folder", "ledger", "timestep", "cost"],
     ["stability"],
     ["plots"],
     ["biaxial"],
     ["observers"],
-    ["run"],
+    ["run", "chart"],
     ["cli", "__init__"],
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}

@@ -1,0 +1,57 @@
+"""Named settings between cheap and accurate, `fidelity.toml`, with what the chart measured of each."""
+
+import tomllib
+from pathlib import Path
+
+from taichi_silo.faults import BadInput
+from taichi_silo.table import Table
+
+FILE = Path(__file__).with_name("fidelity.toml")
+
+
+class Fidelity(Table):
+    """Values at dotted paths of the scene; errors against the chart's reference, and its cost, if they were measured.
+
+    The errors are those of `taichi_silo.chart.errors`, relative; the cost is that of the chart's scene [core-seconds].
+    """
+
+    settings: dict[str, float | int | str]
+    error_P: float | None = None
+    error_T: float | None = None
+    error_N: float | None = None
+    error_profile: float | None = None
+    error_zone: float | None = None
+    cost_core_seconds: float | None = None
+    reference: str | None = None
+
+    def values(self, table: str, **given) -> dict:
+        """Of one table of the scene, such as "grid"; values that are given and not None come first."""
+        own = {path.split(".")[1]: value for path, value in self.settings.items() if path.split(".")[0] == table}
+        return own | {name: value for name, value in given.items() if value is not None}
+
+    def words(self) -> str:
+        """What was measured, in a sentence."""
+        if self.error_N is None:
+            return "its error has not been measured on this version (make chart does)"
+        forces = ", ".join(f"{name} {100 * getattr(self, f'error_{name}'):.1f} %" for name in "PTN")
+        return f"error {forces} against {self.reference}; {self.cost_core_seconds:.3g} core-seconds in the chart"
+
+
+def fidelities(file: Path = FILE) -> dict[str, Fidelity]:
+    """All of a file, by name."""
+    return {name: Fidelity.model_validate(table) for name, table in tomllib.loads(file.read_text()).items()}
+
+
+def fidelity(name: str) -> Fidelity:
+    """The one of that name.
+
+    Raises
+    ------
+    BadInput
+        if there is none.
+
+    """
+    known = fidelities()
+    if name not in known:
+        raise BadInput(f"fidelity is {name}; it must be one of {', '.join(known)}")
+    return known[name]

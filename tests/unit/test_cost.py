@@ -1,0 +1,70 @@
+"""What a run will cost is said before it starts."""
+
+import numpy as np
+import pytest
+
+from taichi_silo import cost, runtime
+from taichi_silo.scene import Flow, Mesh, Method, Scene, Walls
+from taichi_silo.simulation import Simulation
+
+
+def coarse(walls="very-rough", speed=0.04, displacement=0.004, cell=0.05, **method) -> Scene:
+    return Scene(
+        walls=Walls(kind=walls),
+        grid=Mesh(cell_size_m=cell),
+        flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
+        method=Method(**method),
+        machine={"threads": 1},
+    )
+
+
+def started(scene: Scene) -> Simulation:
+    runtime.init()
+    return Simulation(scene)
+
+
+def done(simulation: Simulation) -> Simulation:
+    for _record in simulation.run():
+        pass
+    return simulation
+
+
+@pytest.mark.parametrize("walls", ["very-rough", "smooth"])
+@pytest.mark.parametrize(
+    "method", [{}, {"mass_scaling": 4.0}, {"time_step_s": 1e-4}, {"cfl": 0.2}], ids=lambda m: " ".join(m) or "auto"
+)
+def test_the_number_of_steps_is_known_to_a_tenth(walls, method):
+    scene = coarse(walls, **method)
+    simulation = done(started(scene))
+    assert abs(cost.steps(scene) / simulation.steps - 1.0) < 0.1
+
+
+def test_a_given_step_halved_doubles_their_number():
+    started(coarse())
+    one, two = (cost.steps(coarse(time_step_s=step)) for step in (1e-4, 0.5e-4))
+    assert two == pytest.approx(2 * one, rel=0.04)  # whole steps in each interval
+
+
+def test_a_rehearsal_leaves_the_run_as_it_would_have_been():
+    """Bit by bit: forces, points and clock."""
+
+    def history(rehearsed: bool):
+        simulation = started(coarse(displacement=0.001))
+        if rehearsed:
+            assert cost.rehearse(simulation, seconds=0.05) > 0.0
+            assert (simulation.time, simulation.steps, simulation.stage) == (0.0, 0, "filling")
+        forces = [(r.time_s, r.bottom_N_per_m, r.normal_N_per_m, r.shear_N_per_m) for r in simulation.run()]
+        return np.array(forces), simulation.points()
+
+    (plain, points), (after, points_after) = history(False), history(True)
+    assert (plain == after).all()
+    assert all((points[name] == points_after[name]).all() for name in points)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("walls", "cell", "speed"), [("very-rough", 0.01, 0.005), ("very-rough", 0.005, 0.02)])
+def test_the_cost_is_known_to_a_quarter(walls, cell, speed):
+    simulation = started(coarse(walls, speed=speed, displacement=0.005, cell=cell))
+    expected = cost.predict(simulation)
+    spent = done(simulation).stepping_seconds
+    assert abs(expected.core_seconds / spent - 1.0) < 0.25
