@@ -1,83 +1,60 @@
-"""What a step costs: nanoseconds a point by phase, at 4,000 and 64,000 points, beside a compiled C++ yardstick.
+"""What a step costs, by phase, size and threads, beside a compiled C++ yardstick and the limits of this machine.
 
-`make bench` prints the table and writes outputs/bench/bench.csv. The yardstick (`mpm2d.cpp`: the same method with
-explicit vectorisation, 4 points a cell) is looked for in $TAICHI_SILO_YARDSTICK and in ../shared/yardstick; without it,
-or without a C++ compiler, the figures are absolute. Absolute figures move by a third from hour to hour on a shared
-machine: quote the ratio, which is measured in turns with the yardstick.
+`make bench` prints the table, writes outputs/bench/bench.csv and bench.png, and warns where a phase got more than a
+tenth slower, relative to the yardstick, than in benchmarks/baseline.csv (`--keep` makes the new table the baseline).
+On a machine with a GPU, `--arch cuda` measures that instead.
 """
 
-import csv
-import os
-import re
+import argparse
+import json
 import statistics
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
+from benchmarks.figure import draw
+from benchmarks.roofline import ceilings
+from benchmarks.yardstick import Yardstick
 from taichi_silo import Flow, Mesh, Scene, Silo, Simulation, Walls, runtime
 from taichi_silo.noise import NoiseControl
+from taichi_silo.run import run
+from taichi_silo.scene import cores
 
 ROUNDS = 5
-SECONDS = 0.6  # of a measurement
+SECONDS = 0.5  # of a measurement
+SLOWER = 1.10  # of the baseline's cost over the yardstick's: from there on a warning
+BASELINE = Path(__file__).with_name("baseline.csv")
+FOLDER = Path("outputs") / "bench"
 COLUMNS = (
     "points", "points_per_cell", "threads", "precision", "phase",
     "nanoseconds_per_particle_step", "particle_steps_per_second", "yardstick_ratio",
 )  # fmt: skip
+KEY = ["points", "points_per_cell", "threads", "precision", "phase"]
 
 
-class Yardstick:
-    """The C++ program, compiled once; None where it cannot be had."""
-
-    FLAGS = ("-O3", "-march=native", "-mprefer-vector-width=512", "-ffast-math", "-fopenmp", "-std=c++17")
-
-    @classmethod
-    def find(cls) -> "Yardstick | None":
-        """Compile it if it is there."""
-        here = Path(os.environ.get("TAICHI_SILO_YARDSTICK", Path(__file__).parents[2] / "shared" / "yardstick"))
-        source = here / "mpm2d.cpp"
-        if not source.exists():
-            return None
-        program = Path(tempfile.mkdtemp()) / "mpm2d"
-        try:
-            subprocess.run(["g++", *cls.FLAGS, str(source), "-o", str(program)], check=True, capture_output=True)
-        except (OSError, subprocess.CalledProcessError):
-            return None
-        return cls(program)
-
-    def __init__(self, program: Path):
-        self.program = program
-
-    def rate(self, threads: int, points: int) -> float:
-        """Particle-steps per second of the hypoplastic law in f64 at the nearest size it offers."""
-        cells = 32 if points < 20_000 else 128
-        text = subprocess.run(
-            [str(self.program), "f64", str(threads), str(cells)],
-            capture_output=True, text=True, check=True, env=os.environ | {"OMP_PROC_BIND": "true"},
-        ).stdout  # fmt: skip
-        found = re.search(r"GB\s.*?([\d.]+) Mp/s", text)
-        return 1e6 * float(found.group(1))
-
-
-def scene(points: int, points_per_cell: int, threads: int) -> Scene:
+def scene(points: int, points_per_cell: int, threads: int, arch: str = "cpu") -> Scene:
     """A silo of 2 : 5 with about so many points."""
-    cells = round((points / points_per_cell / 10.0) ** 0.5)  # in a tenth of the area
-    h = 0.1 / cells
+    cells = max(2, round((points / points_per_cell / 10.0) ** 0.5))  # in a tenth of the area
     return Scene(
         silo=Silo(width_m=0.2, height_m=0.5),
         walls=Walls(kind="smooth"),
-        grid=Mesh(cell_size_m=h, points_per_cell=points_per_cell),
+        grid=Mesh(cell_size_m=0.1 / cells, points_per_cell=points_per_cell),
         flow=Flow(speed_m_per_s=0.002, displacement_m=0.02),
-        machine={"arch": "cpu", "threads": threads},
+        machine={"arch": arch, "threads": threads},
     )
 
 
-def loaded(points: int, points_per_cell: int, threads: int, control: NoiseControl | None = None) -> Simulation:
+def loaded(
+    points: int, points_per_cell: int, threads: int, control: NoiseControl | None = None, arch: str = "cpu"
+) -> Simulation:
     """A silo whose sand bears its weight (geostatic), so that a step is one of quasi-static flow."""
-    what = scene(points, points_per_cell, threads)
-    runtime.init("cpu", threads)
+    what = scene(points, points_per_cell, threads, arch)
+    runtime.init(arch, threads)
     simulation = Simulation(what, control)
     arrays = simulation.particles.arrays()
     vertical = -what.density_kg_per_m3 * 9.81 * (what.silo.height_m - arrays["position"][:, 1])
@@ -86,14 +63,15 @@ def loaded(points: int, points_per_cell: int, threads: int, control: NoiseContro
     return simulation
 
 
-def seconds_per_step(advance) -> float:
+def seconds_per_step(advance, seconds: float = SECONDS, rounds: int = ROUNDS) -> float:
     """Median over rounds; the first call compiles."""
     advance(1)
     begun = time.perf_counter()
     advance(20)
-    steps = max(20, int(20 * SECONDS / (time.perf_counter() - begun)))
+    runtime.wait()
+    steps = max(20, int(20 * seconds / (time.perf_counter() - begun)))
     times = []
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         begun = time.perf_counter()
         advance(steps)
         runtime.wait()
@@ -101,58 +79,51 @@ def seconds_per_step(advance) -> float:
     return statistics.median(times)
 
 
-def measure(points: int, points_per_cell: int, threads: int, yardstick: Yardstick | None) -> list[dict]:
-    """Rows of the table for one size."""
-    simulation = loaded(points, points_per_cell, threads)
-    count = simulation.scene.points
-    dt = 0.5 * simulation.solver.survey().stable_step
-    rows = []
+def row(size: tuple, phase: str, seconds: float, theirs: float | None, precision: str = "f64") -> dict:
+    """A line of the table: seconds a step of so many (points, a cell, threads); `theirs` in particle-steps a second."""
+    rate = size[0] / seconds
+    return dict(zip(COLUMNS, (
+        *size, precision, phase, round(1e9 / rate, 2), round(rate), round(rate / theirs, 3) if theirs else None,
+    ), strict=True))  # fmt: skip
 
-    def row(phase: str, seconds: float, ratio: float | None = None) -> None:
-        rows.append(
-            {
-                "points": count,
-                "points_per_cell": points_per_cell,
-                "threads": threads,
-                "precision": "f64",
-                "phase": phase,
-                "nanoseconds_per_particle_step": round(1e9 * seconds / count, 2),
-                "particle_steps_per_second": round(count / seconds),
-                "yardstick_ratio": "" if ratio is None else round(ratio, 3),
-            }
-        )
+
+def measure(points: int, points_per_cell: int, threads: int, yardstick: Yardstick | None) -> list[dict]:
+    """The whole step, in turns with the yardstick, and on one thread its phases."""
+    simulation = loaded(points, points_per_cell, threads)
+    size = simulation.scene.points, points_per_cell, threads
+    dt = 0.5 * simulation.solver.survey().stable_step
 
     def step(steps: int) -> None:
         simulation.solver.advance(steps, dt, gravity=(9.81, 9.81))
 
-    ratio = None
-    mine = seconds_per_step(step)
-    if yardstick is not None:
-        pairs = []
-        for _ in range(ROUNDS):  # in turns: the machine's speed drifts
-            theirs = yardstick.rate(threads, count)
-            begun = time.perf_counter()
-            steps = max(1, int(SECONDS / mine))
-            step(steps)
-            pairs.append(count * steps / (time.perf_counter() - begun) / theirs)
-        ratio = statistics.median(pairs)
-    row("step", mine, ratio)
+    mine, theirs = [], []
+    for _ in range(ROUNDS):  # in turns: the machine's speed drifts
+        mine.append(seconds_per_step(step, rounds=1))
+        theirs.append(yardstick.rate(threads, size[0]) if yardstick else 0.0)
+    ratio = statistics.median(size[0] / m / t for m, t in zip(mine, theirs, strict=True)) if yardstick else None
+    seconds = statistics.median(mine)
+    rows = [row(size, "step", seconds, size[0] / seconds / ratio if ratio else None)]
     if threads == 1:
-        for phase, cost in phases(simulation, dt).items():
-            row(phase, cost)
+        from benchmarks.phases import Phases
+
+        for phase, kernel in Phases(simulation.solver).all().items():
+            cost = seconds_per_step(lambda n, kernel=kernel: kernel(n, dt))
+            rows.append(row(size, phase, cost, statistics.median(theirs) if yardstick else None))
     return rows
 
 
-def phases(simulation: Simulation, dt: float) -> dict[str, float]:
-    """Seconds a step of each phase, timed alone on the same state (one thread)."""
-    from benchmarks.phases import Phases
-
-    alone = Phases(simulation.solver)
-    return {name: seconds_per_step(lambda n, run=run: run(n, dt)) for name, run in alone.all().items()}
+def whole_run(film: bool, yardstick: Yardstick | None) -> dict:
+    """`mass_flow` with all that belongs to it (observers, output, film): wall time over points and steps."""
+    what = scene(4000, 1, 1).model_copy(update={"flow": Flow(speed_m_per_s=0.005, displacement_m=0.01)})
+    with tempfile.TemporaryDirectory() as folder:
+        summary = json.loads((run(what, Path(folder) / "run", film=film) / "summary.json").read_text())["cost"]
+    theirs = yardstick.rate(1, what.points) if yardstick else None
+    phase = "whole run with film" if film else "whole run"
+    return row((what.points, 1, 1), phase, summary["wall_seconds"] / summary["steps"], theirs)
 
 
 def averages(points: int) -> list[dict]:
-    """Rows of the non-local average on one thread: a step's means, and building all rows once."""
+    """The non-local average on one thread: a step's means, and building all rows once."""
     from benchmarks.phases import Neighbours
     from taichi_silo.averaging import Gaussian, NonLocal
 
@@ -161,52 +132,114 @@ def averages(points: int) -> list[dict]:
         simulation = loaded(points, 1, 1)
         average = NonLocal(Gaussian(ratio * simulation.spacing), simulation.particles, simulation.spacing)
         average.refresh()
-        count = simulation.scene.points
-        neighbours = average.pairs / count
-        alone = Neighbours(average)
-        for phase, seconds in (
-            (f"average of {neighbours:.0f}", seconds_per_step(alone.means)),
-            (f"rows of {neighbours:.0f} anew", seconds_per_step(lambda n, a=average: [a.build() for _ in range(n)])),
-        ):
-            rows.append(
-                {
-                    "points": count, "points_per_cell": 1, "threads": 1, "precision": "f64", "phase": phase,
-                    "nanoseconds_per_particle_step": round(1e9 * seconds / count, 2),
-                    "particle_steps_per_second": round(count / seconds), "yardstick_ratio": "",
-                }
-            )  # fmt: skip
-            print(
-                f"{count:7d} points, 1 thread  {phase:22s} {1e9 * seconds / count:8.1f} ns a point, "
-                f"{1e9 * seconds / count / neighbours:6.2f} ns a neighbour", flush=True,
-            )  # fmt: skip
+        size = simulation.scene.points, 1, 1
+        neighbours = average.pairs / size[0]
+        means = seconds_per_step(Neighbours(average).means)
+        anew = seconds_per_step(lambda n, a=average: [a.build() for _ in range(n)], seconds=0.1, rounds=3)
+        for phase, cost in ((f"average of {neighbours:.0f}", means), (f"rows of {neighbours:.0f} anew", anew)):
+            rows.append(row(size, phase, cost, None))
     return rows
 
 
+def sizes(threads: int) -> list[dict]:
+    """From 1,000 to 1,000,000 points: a step, and the memory that a point takes."""
+    rows = []
+    for points in (1_000, 10_000, 100_000, 1_000_000):
+        code = (
+            "import resource; from benchmarks.bench import *; "
+            "base = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss; "
+            f"s = loaded({points}, 1, {threads}); n = s.scene.points; dt = 0.5 * s.solver.survey().stable_step; "
+            "t = seconds_per_step(lambda k: s.solver.advance(k, dt, gravity=(9.81, 9.81)), rounds=3); "
+            "print(n, t, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - base)"
+        )
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        count, seconds, kilobytes = map(float, done.stdout.split()[-3:])
+        rows.append(row((int(count), 1, threads), "size", seconds, None))
+        memory = 1024 * kilobytes / count
+        print(f"{int(count):9,d} points  {1e9 * seconds / count:6.1f} ns  {memory:7.0f} bytes a point", flush=True)
+    return rows
+
+
+def start() -> float:
+    """Seconds from the start of Python until a silo is ready, with what was compiled before (warm)."""
+    code = "from benchmarks.bench import *; loaded(4000, 1, 1)"
+    times = []
+    for _ in range(3):
+        begun = time.perf_counter()
+        subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+        times.append(time.perf_counter() - begun)
+    return min(times)
+
+
+def on_gpu() -> list[dict]:
+    """Large and small scenes on the graphics card."""
+    rows = []
+    for points in (4_000, 64_000, 1_000_000, 4_000_000):
+        for per_cell in (1, 4):
+            simulation = loaded(points, per_cell, 1, arch="cuda")
+            dt = 0.5 * simulation.solver.survey().stable_step
+            cost = seconds_per_step(lambda n, s=simulation, dt=dt: s.solver.advance(n, dt, gravity=(9.81, 9.81)))
+            rows.append(row((simulation.scene.points, per_cell, 0), "step", cost, None, runtime.PRECISION))
+            say(rows[-1:])
+    return rows
+
+
+def say(rows: list[dict]) -> None:
+    """Print lines of the table."""
+    for line in rows:
+        ratio = f"{line['yardstick_ratio']:.2f} of the yardstick" if line["yardstick_ratio"] else ""
+        print(
+            f"{line['points']:9,d} points, {line['points_per_cell']} a cell, {line['threads']} thread(s)  "
+            f"{line['phase']:22s} {line['nanoseconds_per_particle_step']:9.1f} ns  "
+            f"{line['particle_steps_per_second'] / 1e6:8.2f} M/s  {ratio}", flush=True,
+        )  # fmt: skip
+
+
+def slower(table: pd.DataFrame, baseline: pd.DataFrame) -> list[str]:
+    """What costs more than a tenth more than in the baseline, both over the yardstick's cost."""
+    both = table.merge(baseline, on=KEY, suffixes=("", "_before"))
+    lost = both[both.yardstick_ratio * SLOWER < both.yardstick_ratio_before]
+    return [
+        f"{one.points} points, {one.points_per_cell} a cell, {one.threads} thread(s), {one.phase}: "
+        f"{one.yardstick_ratio:.2f} of the yardstick, it was {one.yardstick_ratio_before:.2f}"
+        for one in lost.itertuples()
+    ]
+
+
 def main() -> None:
-    """Measure, print, write."""
+    """Measure, print, write, draw, warn."""
+    flags = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    flags.add_argument("--arch", choices=("cpu", "cuda"), default="cpu")
+    flags.add_argument("--keep", action="store_true", help="make the new table the baseline")
+    chosen = flags.parse_args()
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    if chosen.arch == "cuda":
+        pd.DataFrame(on_gpu(), columns=COLUMNS).to_csv(FOLDER / f"bench_cuda_{runtime.PRECISION}.csv", index=False)
+        return
     yardstick = Yardstick.find()
     print("yardstick:", "compiled C++, measured in turns" if yardstick else "not found; absolute figures")
     rows = []
-    for points in (4_000, 64_000):
-        for points_per_cell in (1, 4):
-            for threads in (1, 2) if (os.cpu_count() or 1) > 1 else (1,):
-                rows += measure(points, points_per_cell, threads, yardstick)
-                for row in rows[-1 if threads > 1 else -5 :]:
-                    print(
-                        f"{row['points']:7d} points, {row['points_per_cell']} a cell, {row['threads']} thread(s)  "
-                        f"{row['phase']:18s} {row['nanoseconds_per_particle_step']:8.1f} ns  "
-                        f"{row['particle_steps_per_second'] / 1e6:7.2f} M/s  "
-                        + (f"{row['yardstick_ratio']:.2f} of the yardstick" if row["yardstick_ratio"] else ""),
-                        flush=True,
-                    )
-    rows += averages(16_000)
-    folder = Path("outputs") / "bench"
-    folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / "bench.csv", "w", newline="") as stream:
-        writer = csv.DictWriter(stream, COLUMNS)
-        writer.writeheader()
-        writer.writerows(rows)
-    print(f"written to {folder / 'bench.csv'}")
+    for points in (4_000, 16_000, 64_000):
+        for per_cell in (1, 4):
+            for threads in (1, 2) if cores() > 1 else (1,):
+                rows += measure(points, per_cell, threads, yardstick)
+                say(rows[-1 if threads > 1 else -5 :])
+    for film in (False, True):
+        rows.append(whole_run(film, yardstick))
+        say(rows[-1:])
+    rows += (added := averages(16_000))
+    say(added)
+    rows += sizes(1)
+    print(f"start-up, warm: {start():.1f} s")
+    table = pd.DataFrame(rows, columns=COLUMNS)
+    table.to_csv(FOLDER / "bench.csv", index=False)
+    draw(table, ceilings(), FOLDER / "bench.png")
+    print(f"written to {FOLDER / 'bench.csv'} and {FOLDER / 'bench.png'}")
+    if BASELINE.exists():
+        for words in slower(table, pd.read_csv(BASELINE)):
+            print(f"warning: {words}")
+    if chosen.keep:
+        table.to_csv(BASELINE, index=False)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,72 @@
+"""The picture of the benchmark: cost of the phases, share of the yardstick, and the roof above the phases."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib import rc_context
+
+from benchmarks.roofline import BYTES, FLOPS, NODE_BYTES
+from taichi_silo.plots.style import STYLE, new_figure
+
+PHASES = ("particles to grid", "grid", "grid to particles", "law")
+COLORS = ("#0072B2", "#999999", "#56B4E9", "#D55E00")  # told apart by colour-blind eyes
+
+
+def draw(table: pd.DataFrame, roof: dict[str, float], file: Path) -> None:
+    """Save it."""
+    with rc_context(STYLE):
+        figure = new_figure(13.0, 4.4)
+        costs, ratios, roofline = figure.subplots(1, 3)
+        _phases(costs, table)
+        _ratios(ratios, table)
+        _roofline(roofline, table, roof)
+        figure.savefig(file, dpi=150)
+
+
+def _phases(axes, table: pd.DataFrame) -> None:
+    alone = table[(table.threads == 1) & table.phase.isin(PHASES)]
+    sizes = list(dict.fromkeys(zip(alone.points, alone.points_per_cell, strict=True)))
+    bottom = np.zeros(len(sizes))
+    for phase, color in zip(PHASES, COLORS, strict=True):
+        height = [
+            alone[(alone.points == n) & (alone.points_per_cell == c) & (alone.phase == phase)]
+            .nanoseconds_per_particle_step.mean()
+            for n, c in sizes
+        ]  # fmt: skip
+        axes.bar(range(len(sizes)), height, bottom=bottom, color=color, label=phase)
+        bottom += np.nan_to_num(height)
+    axes.set_xticks(range(len(sizes)), [f"{n / 1e3:.0f}k\n{c} a cell" for n, c in sizes])
+    axes.set(ylabel="ns a point and step, one thread", title="Phases of the step")
+    axes.legend(frameon=False, fontsize="small")
+
+
+def _ratios(axes, table: pd.DataFrame) -> None:
+    steps = table[(table.phase == "step") & table.yardstick_ratio.notna()]
+    for (per_cell, threads), some in steps.groupby(["points_per_cell", "threads"]):
+        axes.plot(
+            some.points, some.yardstick_ratio, marker="os"[threads > 1], color=COLORS[0 if per_cell == 1 else 3],
+            linestyle="-" if threads == 1 else "--", label=f"{per_cell} a cell, {threads} thread{'s'[: threads - 1]}",
+        )  # fmt: skip
+    axes.axhline(0.8, color="0.6", linewidth=0.8)
+    axes.set(xscale="log", xlabel="points", ylabel="speed over the yardstick's", title="Beside C++", ylim=(0.0, None))
+    if not steps.empty:
+        axes.legend(frameon=False, fontsize="small")
+
+
+def _roofline(axes, table: pd.DataFrame, roof: dict[str, float]) -> None:
+    intensity = np.logspace(-1.5, 2, 100)
+    for name, style in (("cache", "--"), ("memory", "-")):
+        axes.plot(intensity, np.minimum(roof["arithmetic"], roof[name] * intensity) / 1e9, color="0.3", linestyle=style,
+                  label=f"{name}: {roof[name] / 1e9:.0f} GB/s")  # fmt: skip
+    alone = table[(table.threads == 1) & table.phase.isin(FLOPS)]
+    for phase, color in zip(PHASES, COLORS, strict=True):
+        for one in alone[alone.phase == phase].itertuples():
+            moved = BYTES[phase] + NODE_BYTES.get(phase, 0) / one.points_per_cell
+            axes.plot(FLOPS[phase] / moved, FLOPS[phase] / one.nanoseconds_per_particle_step, color=color,
+                      marker="o" if one.points_per_cell == 1 else "s", linestyle="none")  # fmt: skip
+    axes.set(
+        xscale="log", yscale="log", xlabel="operations a byte", ylabel="10⁹ operations a second",
+        title=f"Roof of one core: {roof['arithmetic'] / 1e9:.0f} · 10⁹/s",
+    )  # fmt: skip
+    axes.legend(frameon=False, fontsize="small")
