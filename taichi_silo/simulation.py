@@ -10,6 +10,7 @@ import numpy as np
 from taichi_silo.averaging import NonLocal
 from taichi_silo.faults import RunFailed
 from taichi_silo.grid import MARGIN, Grid
+from taichi_silo.half import HalfSolver
 from taichi_silo.laws.stress_point import wave_speed
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
@@ -17,7 +18,8 @@ from taichi_silo.runtime import threads
 from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
 from taichi_silo.solver import Solver
-from taichi_silo.walls import Coulomb, NoSlip, PlaneWall
+from taichi_silo.symmetry import half_model, whole_points, whole_profile
+from taichi_silo.walls import Coulomb, Glide, NoSlip, PlaneWall
 from taichi_silo.weaknesses import weaknesses
 
 LEFT, RIGHT, BOTTOM = 0, 1, 2
@@ -91,7 +93,7 @@ class Simulation:
         self.scene = scene
         self.warnings = weaknesses(scene)  # sentences on what is known, and what observers find
         # mass scaling: heavier grains under a smaller gravity have the same weight
-        self.law = scene.sand.constitutive_law(scene.method.mass_scaling)
+        self.law = scene.sand.constitutive_law(scene.method.mass_scaling, scene.flow.TURNS_BACK)
         self.gravity = scene.method.gravity_m_per_s2 / scene.method.mass_scaling
         self.density = self.law.grain_density / (1.0 + scene.sand.void_ratio)  # inertial
         self.time, self.displacement, self.stage = 0.0, 0.0, "filling"
@@ -114,21 +116,26 @@ class Simulation:
             control = NoiseControl.for_column(self.period, slenderness) if on else NoiseControl()
         self.control = control
 
+        self.half, _ = half_model(scene)
+        self.whole = 2.0 if self.half else 1.0  # silo over what is computed of it
+        self.width = scene.silo.width_m / self.whole  # of what is computed [m]
+        self.columns = round(scene.silo.width_m / h) + 1 + 2 * MARGIN  # nodes across the silo
+
         room = max(HEADROOM * scene.silo.height_m, scene.flow.displacement_m + 2.0 * h)
-        grid = Grid(scene.silo.width_m, scene.silo.height_m + room, h, copies=threads())
+        grid = Grid(self.width, scene.silo.height_m + room, h, copies=threads())
         self.particles = self._fill_box()
         kernel, self.about_averaging = scene.averaging.kernel(scene.sand, self.spacing)
-        self.solver = Solver(
+        self.solver = (HalfSolver if self.half else Solver)(
             self.particles, grid, self.shape, self.law, self._walls(grid), control,
             averaging=NonLocal(kernel, self.particles, self.spacing) if kernel else None,
             **scene.method.solver_options(),
         )  # fmt: skip
-        self.mass = float(self.particles.mass.to_numpy().sum())
+        self.mass = self.whole * float(self.particles.mass.to_numpy().sum())
         self.solver.advance(0, 1.0)  # compiles
 
     def _fill_box(self) -> Particles:
         scene, d = self.scene, self.spacing
-        columns, rows = round(scene.silo.width_m / d), round(scene.silo.height_m / d)
+        columns, rows = round(self.width / d), round(scene.silo.height_m / d)
         x, y = np.meshgrid((np.arange(columns) + 0.5) * d, (np.arange(rows) + 0.5) * d)
         count = columns * rows
         particles = Particles(count, Particles.extras(self.law, self.shape, self.transfer))
@@ -149,9 +156,10 @@ class Simulation:
     def _walls(self, grid: Grid) -> tuple[PlaneWall, ...]:
         scene = self.scene
         side = NoSlip() if scene.walls.kind == "very-rough" else Coulomb(scene.wall_friction_angle_deg)
+        opposite = ("axis", Glide()) if self.half else ("right", side)
         return (
             PlaneWall("left", 0, -1, grid.node_along(0.0), side),
-            PlaneWall("right", 0, 1, grid.node_along(scene.silo.width_m), side),
+            PlaneWall(opposite[0], 0, 1, grid.node_along(self.width), opposite[1]),
             PlaneWall(
                 "bottom", 1, -1, grid.node_along(0.0), Coulomb(scene.walls.bottom_friction_angle_deg), motion=(0.0, 1.0)
             ),
@@ -229,7 +237,7 @@ class Simulation:
         self.time += duration
         self.displacement -= 0.5 * (plate_velocity[0] + plate_velocity[1]) * duration
         self.steps += steps
-        profile = reaction / duration
+        profile = (whole_profile(reaction, self.columns) if self.half else reaction) / duration
         force = profile.sum(axis=1)
         return Record(
             time_s=self.time,
@@ -242,13 +250,13 @@ class Simulation:
             right_normal_N_per_m=-force[RIGHT, 0],
             right_shear_N_per_m=force[RIGHT, 1],
             weight_N_per_m=self.mass * 0.5 * (gravity[0] + gravity[1]),
-            momentum_rate_N_per_m=(after.momentum - before.momentum) / duration,
-            control_N_per_m=control[:, 1].sum() / duration,
-            kinetic_energy_J_per_m=after.kinetic_energy,
+            momentum_rate_N_per_m=self.whole * (after.momentum - before.momentum) / duration,
+            control_N_per_m=self.whole * control[:, 1].sum() / duration,
+            kinetic_energy_J_per_m=self.whole * after.kinetic_energy,
             time_step_s=dt,
             stable_step_s=after.stable_step,
             void_ratio_low=after.void_ratio_low,
-            separated=after.separated,
+            separated=int(self.whole) * after.separated,
             strays=after.strays,
             speed_m_per_s=after.speed,
             profile=profile,
@@ -257,18 +265,22 @@ class Simulation:
     # --- state ----------------------------------------------------------------------------------------------------
 
     def points(self) -> dict[str, np.ndarray]:
-        """All fields of the points as arrays, `position` in the laboratory, and `void_ratio`."""
+        """All fields of the points as arrays, `position` in the laboratory, and `void_ratio`; of the whole silo."""
+        own = self._computed()
+        return whole_points(own, self.scene.silo.width_m) if self.half else own
+
+    def _computed(self) -> dict[str, np.ndarray]:
         arrays = self.particles.arrays()
         arrays["position"] = arrays["position"] - np.array([0.0, self.displacement])
         arrays["void_ratio"] = arrays["volume"] * self.law.grain_density / arrays["mass"] - 1.0
         return arrays
 
     def _astray(self, count: int, dt: float) -> str:
-        points = self.points()
-        first = int(np.argmin(self.inside(points)))
+        points = self._computed()
+        first = int(np.argmin(self._within(points, self.width)))
         x, y = points["position"][first]
         if not np.isfinite(x + y):  # where it is cannot be said, but where it was filled in
-            across = round(self.scene.silo.width_m / self.spacing)
+            across = round(self.width / self.spacing)
             x, y = (first % across + 0.5) * self.spacing, (first // across + 0.5) * self.spacing
         return (
             f"after t = {self.time:.4f} s ({self.stage}, u = {1e3 * self.displacement:.3f} mm) {count} points left the "
@@ -278,7 +290,10 @@ class Simulation:
 
     def inside(self, points: dict[str, np.ndarray]) -> np.ndarray:
         """Which of `points()` are finite and within the grid less its margin."""
+        return self._within(points, self.scene.silo.width_m)
+
+    def _within(self, points: dict[str, np.ndarray], width_m: float) -> np.ndarray:
         grid = self.solver.grid
         place = points["position"] + np.array([0.0, self.displacement])
-        top = np.array([grid.columns - 2 * MARGIN, grid.rows - 2 * MARGIN]) * grid.cell_size
+        top = np.array([width_m + grid.cell_size, (grid.rows - 2 * MARGIN) * grid.cell_size])
         return ((place > -grid.cell_size) & (place < top)).all(axis=1) & np.isfinite(points["stress"]).all(axis=1)

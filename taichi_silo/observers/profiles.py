@@ -60,7 +60,7 @@ class WallProfiles(Observer):
     def _write(self, writer, state: str, displacement: float, profile: np.ndarray) -> None:
         h, grid = self.simulation.scene.grid.cell_size_m, self.simulation.solver.grid
         sides = ((LEFT, "left", grid.rows, -displacement), (RIGHT, "right", grid.rows, -displacement))
-        for wall, name, slots, origin in (*sides, (BOTTOM, "bottom", grid.columns, 0.0)):
+        for wall, name, slots, origin in (*sides, (BOTTOM, "bottom", self.simulation.columns, 0.0)):
             coordinate, stress = wall_stress(profile[wall, :slots], h, closed=name == "bottom")
             normal, shear = (stress[:, 0], stress[:, 1]) if name != "bottom" else (stress[:, 1], stress[:, 0])
             normal = -normal if name == "right" else normal

@@ -52,7 +52,7 @@ class Summary(Observer):
     def end(self) -> None:
         """Write the file."""
         simulation, seconds = self.simulation, time.monotonic() - self.started
-        scene, records = simulation.scene, pd.DataFrame(self.records)
+        records = pd.DataFrame(self.records)
         found = {"finished": self.failure is None, "averaging": simulation.about_averaging}
         if simulation.warnings:
             found["warnings"] = simulation.warnings
@@ -65,13 +65,13 @@ class Summary(Observer):
             found["janssen"] = self._janssen(found["filling"])
             found["shear_zones"] = self._zones()
             found["largest_wall_normal_stress_Pa"] = self._wall_stresses()
-        stepping = simulation.stepping_seconds
+        stepping, points = simulation.stepping_seconds, simulation.particles.count
         found["cost"] = {
-            "points": scene.points,
+            "points": points,
             "steps": simulation.steps,
             "time_step_s": simulation.time / max(simulation.steps, 1),
             "seconds": stepping,
-            "particle_steps_per_second": scene.points * simulation.steps / max(stepping, 1e-9),
+            "particle_steps_per_second": points * simulation.steps / max(stepping, 1e-9),
             "wall_seconds": seconds,
         }
         temporary = self.file.with_suffix(".part")
