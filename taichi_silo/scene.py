@@ -91,9 +91,7 @@ class Sand(Table):
             return self.law
         return "intergranular" if turns_back else "gudehus-bauer"
 
-    def constitutive_law(
-        self, mass_scaling: float = 1.0, turns_back: bool = False
-    ) -> GudehusBauer | Intergranular:
+    def constitutive_law(self, mass_scaling: float = 1.0, turns_back: bool = False) -> GudehusBauer | Intergranular:
         """The constitutive law with these constants, the grains' density times a factor."""
         skeleton = self.skeleton(mass_scaling)
         if self.law_for(turns_back) == "gudehus-bauer":
@@ -216,6 +214,12 @@ class Method(Variant):
     longest_settling_s: float = Field(1.0, ge=0, description="or 20 column periods, if longer")
 
 
+class Output(Table):
+    """What is written, and how often."""
+
+    records_per_period: int = Field(10, ge=4, le=100, description="rows of forces.csv in one period of the column")
+
+
 class Machine(Table):
     """Where it is computed."""
 
@@ -259,6 +263,7 @@ class Scene(Table):
     averaging: Averaging = Averaging()
     flow: Flow = Flow()
     method: Method = Method()
+    output: Output = Output()
     machine: Machine = Machine()
 
     @model_validator(mode="after")
@@ -279,6 +284,11 @@ class Scene(Table):
                 f"displacement is {self.flow.displacement_m} m; it must be at most the height of {self.silo.height_m} m"
             )
         return self
+
+    @property
+    def law(self) -> GudehusBauer | Intergranular:
+        """The constitutive law of the sand in this scene."""
+        return self.sand.constitutive_law(self.method.mass_scaling, self.flow.TURNS_BACK)
 
     @property
     def spacing_m(self) -> float:

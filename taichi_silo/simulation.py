@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.averaging import NonLocal
+from taichi_silo.column import wave_speed_of
 from taichi_silo.faults import RunFailed
 from taichi_silo.grid import MARGIN, Grid
 from taichi_silo.half import HalfSolver
-from taichi_silo.laws.stress_point import wave_speed
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
 from taichi_silo.runtime import threads
@@ -23,7 +23,6 @@ from taichi_silo.walls import Coulomb, Glide, NoSlip, PlaneWall
 from taichi_silo.weaknesses import weaknesses
 
 LEFT, RIGHT, BOTTOM = 0, 1, 2
-ROWS_PER_PERIOD = 10  # rows of forces.csv in one period of the column
 RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
 HEADROOM = 0.1  # of the fill height, free above it; more where sand hangs on a very rough wall while the grid sinks
 SHORTEST_FILLING_PERIODS = 12  # the weight must not grow faster than the column can follow
@@ -83,6 +82,18 @@ class Record:
         return carried - self.weight_N_per_m - self.momentum_rate_N_per_m + self.control_N_per_m
 
 
+def noise_control(scene: Scene, period_s: float) -> NoiseControl:
+    """As the scene asks for, scaled to the period of its column."""
+    if scene.method.noise_control == "none":
+        return NoiseControl()
+    return NoiseControl.for_column(period_s, scene.silo.height_m / scene.silo.width_m)
+
+
+def headroom(scene: Scene) -> float:
+    """Height of the grid above the fill [m]."""
+    return max(HEADROOM * scene.silo.height_m, scene.flow.displacement_m + 2.0 * scene.grid.cell_size_m)
+
+
 class Simulation:
     """The silo of a scene, ready to be filled; Taichi has been started.
 
@@ -93,7 +104,7 @@ class Simulation:
         self.scene = scene
         self.warnings = weaknesses(scene)  # sentences on what is known, and what observers find
         # mass scaling: heavier grains under a smaller gravity have the same weight
-        self.law = scene.sand.constitutive_law(scene.method.mass_scaling, scene.flow.TURNS_BACK)
+        self.law = scene.law
         self.gravity = scene.method.gravity_m_per_s2 / scene.method.mass_scaling
         self.density = self.law.grain_density / (1.0 + scene.sand.void_ratio)  # inertial
         self.time, self.displacement, self.stage = 0.0, 0.0, "filling"
@@ -107,22 +118,17 @@ class Simulation:
         self.shape = SHAPES[scene.grid.shape](0.5 / per_axis)
         self.transfer = scene.method.transfer_of_points()
 
-        middle = 0.5 * self.density * self.gravity * scene.silo.height_m
-        self.wave_speed = wave_speed(self.law, (-0.5 * middle, -middle, -0.5 * middle, 0.0), scene.sand.void_ratio)
+        self.wave_speed = wave_speed_of(scene)
         self.period = 4.0 * scene.silo.height_m / self.wave_speed
-        if control is None:
-            on = scene.method.noise_control == "column"
-            slenderness = scene.silo.height_m / scene.silo.width_m
-            control = NoiseControl.for_column(self.period, slenderness) if on else NoiseControl()
-        self.control = control
+        self.rows_per_period = scene.output.records_per_period
+        self.control = noise_control(scene, self.period) if control is None else control
 
         self.half, _ = half_model(scene)
         self.whole = 2.0 if self.half else 1.0  # silo over what is computed of it
         self.width = scene.silo.width_m / self.whole  # of what is computed [m]
         self.columns = round(scene.silo.width_m / h) + 1 + 2 * MARGIN  # nodes across the silo
 
-        room = max(HEADROOM * scene.silo.height_m, scene.flow.displacement_m + 2.0 * h)
-        grid = Grid(self.width, scene.silo.height_m + room, h, copies=threads())
+        grid = Grid(self.width, scene.silo.height_m + headroom(scene), h, copies=threads())
         self.particles = self._fill_box()
         kernel, self.about_averaging = scene.averaging.kernel(scene.sand, self.spacing)
         self.solver = (HalfSolver if self.half else Solver)(
@@ -170,7 +176,7 @@ class Simulation:
     @property
     def interval(self) -> float:
         """Time between records [s]."""
-        return self.period / ROWS_PER_PERIOD
+        return self.period / self.rows_per_period
 
     @property
     def filling_time(self) -> float:
@@ -190,7 +196,7 @@ class Simulation:
         count = math.ceil(duration / self.interval)
         for number in range(count):
             yield self._interval(duration / count, (g * number / count, g * (number + 1) / count), (0.0, 0.0))
-        recent = deque(maxlen=2 * ROWS_PER_PERIOD)
+        recent = deque(maxlen=2 * self.rows_per_period)
         longest = max(self.scene.method.longest_settling_s, LONGEST_SETTLING_PERIODS * self.period)
         for _ in range(math.ceil(longest / self.interval)):
             record = self._interval(self.interval, (g, g), (0.0, 0.0))

@@ -11,7 +11,7 @@ from taichi_silo import runtime
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.observers.profiles import wall_stress
 from taichi_silo.phases import scatter
-from taichi_silo.scene import Flow, Mesh, Method, Sand, Scene, Walls
+from taichi_silo.scene import Flow, Mesh, Method, Sand, Scene, Silo, Walls
 from taichi_silo.simulation import LEFT, RIGHT, Simulation
 from taichi_silo.theory.janssen import Janssen
 
@@ -39,6 +39,7 @@ class History:
     def __init__(self, void_ratio, walls, noise_control="column", cell_size=0.02, displacement=0.004):
         runtime.init()
         self.scene = Scene(
+            silo=Silo(half="no"),  # left and right are to be compared
             sand=Sand(void_ratio=void_ratio),
             walls=Walls(kind=walls),
             grid=Mesh(cell_size_m=cell_size),
