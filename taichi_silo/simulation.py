@@ -132,7 +132,7 @@ class Simulation:
         self.particles = self._fill_box()
         kernel, self.about_averaging = scene.averaging.kernel(scene.sand, self.spacing)
         self.solver = (HalfSolver if self.half else Solver)(
-            self.particles, grid, self.shape, self.law, self._walls(grid), control,
+            self.particles, grid, self.shape, self.law, self._walls(grid), self.control,
             averaging=NonLocal(kernel, self.particles, self.spacing) if kernel else None,
             **scene.method.solver_options(),
         )  # fmt: skip
