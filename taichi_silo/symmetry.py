@@ -7,9 +7,8 @@ its mirror image, so that whoever looks sees the whole silo.
 import numpy as np
 
 FEWEST_CELLS = 4  # across the silo: less, and the half is a single column of cells
-# largest difference of P, T or N between half and whole, over the weight, with very rough walls: loose sand, 10 mm cells,
-# bottom at 10 mm/s, u = 10 mm (dense: 0.0044 on 5 mm cells at 2 mm/s, u = 5 mm). Nothing but round-off makes it; any two
-# runs that differ so little scatter alike. Between smooth walls it is 1e-14.
+# largest difference of P, T or N between half and whole, over the weight, with very rough walls: loose sand on 10 mm
+# cells, bottom at 10 mm/s, u = 10 mm (dense: 0.0044 on 5 mm cells at 2 mm/s, u = 5 mm). Nothing but round-off makes it.
 SCATTER = 0.021
 SIGNS = {  # of the components of a point's fields in a mirror at constant x
     "velocity": (-1.0, 1.0),
