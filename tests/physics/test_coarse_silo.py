@@ -215,7 +215,7 @@ def test_sand_with_memory_fills_and_flows_between_smooth_walls_as_janssen_says()
         flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), method=Method(filling_time_s=0.3, longest_settling_s=0.3),
     )  # fmt: skip
     simulation = Simulation(scene)
-    assert simulation.particles.arrays()["intergranular"] == pytest.approx(np.tile([0.0, -1e-4, 0.0, 0.0], (160, 1)))
+    assert simulation.points()["intergranular"] == pytest.approx(np.tile([0.0, -1e-4, 0.0, 0.0], (160, 1)))
     records = list(simulation.run())
     theory = Janssen(0.2, 0.5, scene.density_kg_per_m3 * 9.81, 19.0, rest_pressure_ratio(scene.sand.skeleton(), 0.60))
     filled = np.mean([r.normal_N_per_m for r in records if r.stage == "filling"][-10:])

@@ -144,6 +144,13 @@ def test_smooth_walls_are_halved_by_themselves_and_an_odd_number_of_cells_never(
     assert "5 cells" in because
 
 
+def test_a_slender_silo_whose_sand_may_sway_stays_whole():
+    slender = Scene(silo=Silo(width_m=0.04), walls=Walls(kind="smooth"))
+    on, because = half_model(slender)
+    assert not on
+    assert "12.5 times as high as wide" in because
+
+
 @pytest.mark.parametrize(
     ("choices", "word"),
     [({"averaging": 0.02}, "average, 20 mm long"), ({"stress_filter": "null-space"}, "null-space filter")],
