@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart test test-long bench lint clean
+.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart test test-long bench parts lint clean
 
 setup: $(READY)
 
@@ -50,6 +50,10 @@ test-long: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks.bench
+
+# what each part of the method costs, and what it changes in P, T and N (some minutes)
+parts: $(READY)
+	$(BIN)/python -m benchmarks.parts
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -41,7 +41,7 @@ def scene(points: int, points_per_cell: int, threads: int, arch: str = "cpu") ->
     """A silo of 2 : 5 with about so many points."""
     cells = max(2, round((points / points_per_cell / 10.0) ** 0.5))  # in a tenth of the area
     return Scene(
-        silo=Silo(width_m=0.2, height_m=0.5),
+        silo=Silo(width_m=0.2, height_m=0.5, half="no"),
         walls=Walls(kind="smooth"),
         grid=Mesh(cell_size_m=0.1 / cells, points_per_cell=points_per_cell),
         flow=Flow(speed_m_per_s=0.002, displacement_m=0.02),

@@ -19,9 +19,13 @@ def again(
     output: Annotated[Path | None, Option(help="folder of the run; outputs/again if not given")] = None,
     overwrite: Annotated[bool, Option("--overwrite", help="replace a run in the output folder")] = False,
     film: Annotated[bool, Option(help="draw void_ratio.mp4")] = True,
+    explain: cli.ExplainFlag = False,
 ):
     """Run the scene in FILE."""
     scene = read_scene(file)
+    if explain:
+        cli.explain(scene)
+        return
     folder = output.expanduser() if output else free_name(Path("outputs") / "again")
     cli.tell(run(scene, folder, overwrite=overwrite, film=film, extra=(ProgressLine(),)))
 

@@ -21,6 +21,7 @@ from taichi_silo.faults import BadInput, RunFailed
 from taichi_silo.folder import read_scene
 from taichi_silo.plots import plot_cases
 
+LAW = "gudehus-bauer"  # the paper's
 CASES = {
     "dense, smooth": ("dense", "smooth"),
     "dense, very rough": ("dense", "very-rough"),
@@ -42,9 +43,9 @@ def four_cases(
     film: Annotated[bool, Option(help="draw the films")] = True,
 ):
     """Run the paper's four cases and draw them side by side."""
-    constants = sands.sand(sand, dense).model_dump(exclude={"void_ratio"})
-    flags = {"--sand": sand, "--cell-size": cell_size, "--speed": speed, "--displacement": displacement, "--threads": 1}
-    flags |= {"--shape": shape} | cli.flags_of(method)
+    constants = sands.sand(sand, dense, law=LAW).model_dump(exclude={"void_ratio"})
+    flags = {"--sand": sand, "--law": LAW, "--shape": shape, "--cell-size": cell_size, "--speed": speed}
+    flags |= {"--displacement": displacement, "--threads": 1} | cli.flags_of(method)
     chosen = {"shape": shape} | {name: value for name, value in method.items() if value is not None}
     folders = {name: output / name.replace(", ", "_").replace(" ", "-") for name in CASES}
 

@@ -20,13 +20,13 @@ from taichi_silo import fidelity as fidelities
 from taichi_silo.folder import free_name
 from taichi_silo.observers.progress import ProgressLine
 from taichi_silo.run import run
-from taichi_silo.scene import Averaging, Flow, Machine, Mesh, Method, Scene, Silo, Walls
+from taichi_silo.scene import Averaging, Flow, Machine, Mesh, Method, Output, Scene, Silo, Walls
 
 
 def mass_flow(
     void_ratio: Annotated[float, Option(help="initial void ratio of the sand [-], between e_d0 and e_i0")] = 0.60,
     sand: cli.SandFlag = "karlsruhe",
-    law: cli.LawFlag = "gudehus-bauer",
+    law: cli.LawFlag = "auto",
     walls: Annotated[str, Option(help="smooth | very-rough")] = "very-rough",
     wall_friction_angle: Annotated[
         float | None,
@@ -35,6 +35,7 @@ def mass_flow(
     bottom_friction_angle: Annotated[float, Option(help="of the bottom plate [deg]")] = 0.0,
     width: Annotated[float, Option(help="of the silo [m]")] = 0.2,
     height: Annotated[float, Option(help="of the fill [m]")] = 0.5,
+    half: cli.HalfFlag = "auto",
     fidelity: Annotated[
         str, Option(help="draft | standard | converged: cell size and speed where they are not given")
     ] = "standard",
@@ -54,12 +55,14 @@ def mass_flow(
     output: Annotated[Path | None, Option(help="folder of the run; outputs/... if not given")] = None,
     overwrite: Annotated[bool, Option("--overwrite", help="replace a run in the output folder")] = False,
     film: Annotated[bool, Option(help="draw void_ratio.mp4")] = True,
+    records_per_period: cli.RecordsFlag = 10,
+    explain: cli.ExplainFlag = False,
 ):
     """Lower the bottom of a silo with parallel walls and record forces, wall stresses and shear zones."""
     machine = {"arch": arch} if threads is None else {"arch": arch, "threads": threads}
     chosen = fidelities.fidelity(fidelity)
     scene = Scene(
-        silo=Silo(width_m=width, height_m=height),
+        silo=Silo(width_m=width, height_m=height, half=half),
         sand=sands.sand(sand, void_ratio, law=law),
         walls=Walls(
             kind=walls, friction_angle_deg=wall_friction_angle, bottom_friction_angle_deg=bottom_friction_angle
@@ -68,10 +71,14 @@ def mass_flow(
         averaging=Averaging(characteristic_length_m=characteristic_length, weight=weight),
         flow=Flow(displacement_m=displacement, **chosen.values("flow", speed_m_per_s=speed)),
         method=Method(noise_control=noise_control, **method),
+        output=Output(records_per_period=records_per_period),
         machine=Machine(**machine),
     )
     if cell_size is None and points_per_cell is None and speed is None:
         print(f"Fidelity {fidelity}: {chosen.words()}.")
+    if explain:
+        cli.explain(scene)
+        return
     folder = output.expanduser() if output else free_name(Path("outputs") / f"mass_flow_e{void_ratio:.2f}_{walls}")
     cli.tell(run(scene, folder, overwrite=overwrite, film=film, extra=(ProgressLine(),)))
 

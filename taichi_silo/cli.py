@@ -9,9 +9,13 @@ from typing import Annotated
 
 import typer
 from pydantic import ValidationError
+from rich import box
 from rich.console import Console
+from rich.table import Table
 
 from taichi_silo.faults import BadInput, RunFailed
+from taichi_silo.parts import parts
+from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
 from taichi_silo.table import one_sentence
 from taichi_silo.transfers import TRANSFERS
@@ -26,7 +30,10 @@ SandFlag = Annotated[
         "toyoura), or a TOML file with one's own"
     ),
 ]
-LawFlag = Annotated[str, typer.Option(help="gudehus-bauer | intergranular (with memory of the last strain)")]
+LawFlag = Annotated[
+    str,
+    typer.Option(help="auto | gudehus-bauer | intergranular (with memory; auto: where strain turns back)"),
+]
 LengthFlag = Annotated[
     float | None,
     typer.Option(help="characteristic length l_c of the non-local law [m]; 3 d50 if not given, 0 for a local law"),
@@ -35,6 +42,11 @@ WeightFlag = Annotated[
     str, typer.Option(help="of the non-local average: gaussian | exponential (as printed in the paper)")
 ]
 ShapeFlag = Annotated[str, typer.Option(help="shape functions: " + " | ".join(SHAPES))]
+HalfFlag = Annotated[str, typer.Option(help="auto | yes | no: compute one half of a symmetric silo and mirror it")]
+RecordsFlag = Annotated[int, typer.Option(help="rows of forces.csv in one period of the column, 4 to 100")]
+ExplainFlag = Annotated[
+    bool, typer.Option("--explain", help="print which parts of the method the scene uses, and why, and stop")
+]
 MethodFlags = dict  # a scenario's parameter of this type stands for the flags below, and gets the values of Variant
 METHOD_FLAGS = {
     "transfer": (str, "flip", "grid to points: " + " | ".join(TRANSFERS)),
@@ -130,6 +142,17 @@ def _bad_flag(error: typer.BadParameter) -> str:
 def _stop(sentence: str, code: int) -> None:
     print(f"Error: {sentence}.", file=sys.stderr)
     sys.exit(code)
+
+
+def explain(scene: Scene) -> None:
+    """Say which parts of the method a scene uses, and why."""
+    scene.machine.start()
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in ("part", "choice", "because", "overruled by"):
+        table.add_column(column)
+    for part in parts(scene):
+        table.add_row(part.part, part.choice, part.because, part.flag or "–")
+    Console(width=None if sys.stdout.isatty() else 132, highlight=False).print(table)
 
 
 def tell(folder: Path) -> None:

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from taichi_silo.faults import BadInput
 from taichi_silo.scene import Scene
+from taichi_silo.symmetry import half_model
 from taichi_silo.table import one_sentence
 
 MADE = "run.toml"  # its presence says that the folder holds a run
@@ -75,6 +76,8 @@ def write_parameters(folder: Path, scene: Scene, program: dict) -> None:
     tables = scene.model_dump(exclude_none=True)
     if scene.walls.kind == "smooth":
         tables["walls"]["friction_angle_deg"] = scene.wall_friction_angle_deg
+    tables["sand"]["law"] = scene.sand.law_for(scene.flow.TURNS_BACK)
+    tables["silo"]["half"] = "yes" if half_model(scene)[0] else "no"
     tables["averaging"]["characteristic_length_m"] = scene.averaging.length_m(scene.sand)
     write_tables(folder, tables, program)
 

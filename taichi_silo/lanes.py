@@ -12,6 +12,7 @@ order of every sum, and with it every bit of the result, is the same for one thr
 import numpy as np
 import taichi as ti
 
+from taichi_silo.grid import MARGIN
 from taichi_silo.maths import greatest
 from taichi_silo.phases import gifts, motion_of_node, weights
 from taichi_silo.runtime import LANES, compiling_wide, eight, is_cpu, real
@@ -265,6 +266,8 @@ class Lanes:
     def integrate_row(self, sums: ti.template(), nodal: ti.template(), j, step):
         """Motion of the nodes of row j; empties the sums for the next step."""
         s = self.solver
+        if ti.static(s.MIRRORED):
+            self.fold(sums, j)
         for i in range(self.grid.columns):
             k = j * self.grid.columns + i
             total = eight(0.0)
@@ -282,6 +285,22 @@ class Lanes:
                 nodal[k] = eight(new[0], new[1], change[0], change[1], new[0], new[1], new[0], new[1])
             else:
                 self.grid.forget(k)
+        if ti.static(s.MIRRORED):
+            axis = self.grid.node(self.grid.columns - 1 - MARGIN, j)
+            for n in ti.static(range(1, MARGIN + 1)):
+                nodal[axis + n] = nodal[axis - n] * eight(-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0)
+
+    @ti.func
+    def fold(self, sums: ti.template(), j):
+        """Sums of row j beyond an axis of symmetry to their images, turned round; nothing crosses it (half.py)."""
+        turned = eight(1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0)
+        for strip in ti.static(range(self.strips)):
+            if self.reach[strip, 0] <= j and j <= self.reach[strip, 1]:
+                axis = strip * self.grid.nodes + self.grid.node(self.grid.columns - 1 - MARGIN, j)
+                sums[axis] = sums[axis] * (0.5 + 0.5 * turned)
+                for n in ti.static(range(1, MARGIN + 1)):
+                    sums[axis - n] = sums[axis - n] + sums[axis + n] * turned
+                    sums[axis + n] = eight(0.0)
 
     @ti.func
     def gather(self, points: ti.template(), nodal: ti.template(), g, t):

@@ -6,7 +6,7 @@ work, in a sentence that names the value and its valid range.
 
 import math
 import os
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
@@ -14,6 +14,7 @@ from taichi_silo import runtime
 from taichi_silo.averaging import INACTIVE_FROM, MOST_PAIRS, WEIGHTS, most_pairs, self_weight
 from taichi_silo.faults import BadInput
 from taichi_silo.laws import GudehusBauer, Intergranular
+from taichi_silo.symmetry import half_model
 from taichi_silo.table import Table
 from taichi_silo.variant import Shape, Variant
 
@@ -31,6 +32,7 @@ class Silo(Table):
 
     width_m: float = Field(0.2, gt=0)
     height_m: float = Field(0.5, gt=0, description="height of the fill")
+    half: Literal["auto", "yes", "no"] = Field("auto", description="compute one half and mirror it; see symmetry.py")
 
 
 class IntergranularStrain(Table):
@@ -53,7 +55,7 @@ class Sand(Table):
     """Gudehus-Bauer constants; the defaults are the paper's Karlsruhe sand."""
 
     name: str = "karlsruhe"
-    law: Literal["gudehus-bauer", "intergranular"] = "gudehus-bauer"
+    law: Literal["auto", "gudehus-bauer", "intergranular"] = "auto"
     void_ratio: float = 0.60
     critical_friction_angle_deg: float = Field(30.0, ge=5, lt=90)
     granular_hardness_Pa: float = Field(190e6, gt=0)
@@ -83,10 +85,16 @@ class Sand(Table):
             )
         return self
 
-    def constitutive_law(self, mass_scaling: float = 1.0) -> GudehusBauer | Intergranular:
+    def law_for(self, turns_back: bool) -> str:
+        """Name of the law: as given, or with memory only where strain turns back."""
+        if self.law != "auto":
+            return self.law
+        return "intergranular" if turns_back else "gudehus-bauer"
+
+    def constitutive_law(self, mass_scaling: float = 1.0, turns_back: bool = False) -> GudehusBauer | Intergranular:
         """The constitutive law with these constants, the grains' density times a factor."""
         skeleton = self.skeleton(mass_scaling)
-        if self.law == "gudehus-bauer":
+        if self.law_for(turns_back) == "gudehus-bauer":
             return skeleton
         return Intergranular(skeleton=skeleton, **self.intergranular.model_dump())
 
@@ -143,7 +151,13 @@ class Mesh(Table):
 
 
 class Flow(Table):
-    """Lowering of the bottom plate."""
+    """Lowering of the bottom plate.
+
+    TURNS_BACK says whether sand is strained to and fro, as in vibration and behind a free outflow; above a bottom that
+    sinks as a whole it is not. It decides whether the law needs a memory of the last strain.
+    """
+
+    TURNS_BACK: ClassVar[bool] = False
 
     speed_m_per_s: float = Field(0.002, gt=0)
     displacement_m: float = Field(0.02, gt=0)
@@ -200,6 +214,12 @@ class Method(Variant):
     longest_settling_s: float = Field(1.0, ge=0, description="or 20 column periods, if longer")
 
 
+class Output(Table):
+    """What is written, and how often."""
+
+    records_per_period: int = Field(10, ge=4, le=100, description="rows of forces.csv in one period of the column")
+
+
 class Machine(Table):
     """Where it is computed."""
 
@@ -244,6 +264,7 @@ class Scene(Table):
     averaging: Averaging = Averaging()
     flow: Flow = Flow()
     method: Method = Method()
+    output: Output = Output()
     machine: Machine = Machine()
 
     @model_validator(mode="after")
@@ -258,11 +279,17 @@ class Scene(Table):
         if self.points > MOST_POINTS:
             raise ValueError(f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed")
         self.averaging.check(self.sand, self.spacing_m, self.points, self.silo.width_m)
+        half_model(self)
         if self.flow.displacement_m > self.silo.height_m:
             raise ValueError(
                 f"displacement is {self.flow.displacement_m} m; it must be at most the height of {self.silo.height_m} m"
             )
         return self
+
+    @property
+    def law(self) -> GudehusBauer | Intergranular:
+        """The constitutive law of the sand in this scene."""
+        return self.sand.constitutive_law(self.method.mass_scaling, self.flow.TURNS_BACK)
 
     @property
     def spacing_m(self) -> float:

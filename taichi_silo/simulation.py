@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.averaging import NonLocal
+from taichi_silo.column import wave_speed_of
 from taichi_silo.faults import RunFailed
 from taichi_silo.grid import MARGIN, Grid
-from taichi_silo.laws.stress_point import wave_speed
+from taichi_silo.half import HalfSolver
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
 from taichi_silo.proof import failure
@@ -18,11 +19,11 @@ from taichi_silo.runtime import is_cpu, threads
 from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
 from taichi_silo.solver import Solver
-from taichi_silo.walls import Coulomb, NoSlip, PlaneWall
+from taichi_silo.symmetry import half_model, whole_points, whole_profile
+from taichi_silo.walls import Coulomb, Glide, NoSlip, PlaneWall
 from taichi_silo.weaknesses import weaknesses
 
 LEFT, RIGHT, BOTTOM = 0, 1, 2
-ROWS_PER_PERIOD = 10  # rows of forces.csv in one period of the column
 RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
 HEADROOM = 0.1  # of the fill height, free above it; more where sand hangs on a very rough wall while the grid sinks
 SHORTEST_FILLING_PERIODS = 12  # the weight must not grow faster than the column can follow
@@ -82,6 +83,18 @@ class Record:
         return carried - self.weight_N_per_m - self.momentum_rate_N_per_m + self.control_N_per_m
 
 
+def noise_control(scene: Scene, period_s: float) -> NoiseControl:
+    """As the scene asks for, scaled to the period of its column."""
+    if scene.method.noise_control == "none":
+        return NoiseControl()
+    return NoiseControl.for_column(period_s, scene.silo.height_m / scene.silo.width_m)
+
+
+def headroom(scene: Scene) -> float:
+    """Height of the grid above the fill [m]."""
+    return max(HEADROOM * scene.silo.height_m, scene.flow.displacement_m + 2.0 * scene.grid.cell_size_m)
+
+
 class Simulation:
     """The silo of a scene, ready to be filled; Taichi has been started.
 
@@ -92,7 +105,7 @@ class Simulation:
         self.scene = scene
         self.warnings = weaknesses(scene)  # sentences on what is known, and what observers find
         # mass scaling: heavier grains under a smaller gravity have the same weight
-        self.law = scene.sand.constitutive_law(scene.method.mass_scaling)
+        self.law = scene.law
         self.gravity = scene.method.gravity_m_per_s2 / scene.method.mass_scaling
         self.density = self.law.grain_density / (1.0 + scene.sand.void_ratio)  # inertial
         self.time, self.displacement, self.stage = 0.0, 0.0, "filling"
@@ -107,25 +120,25 @@ class Simulation:
         self.shape = SHAPES[scene.grid.shape](0.5 / per_axis)
         self.transfer = scene.method.transfer_of_points()
 
-        middle = 0.5 * self.density * self.gravity * scene.silo.height_m
-        self.wave_speed = wave_speed(self.law, (-0.5 * middle, -middle, -0.5 * middle, 0.0), scene.sand.void_ratio)
+        self.wave_speed = wave_speed_of(scene)
         self.period = 4.0 * scene.silo.height_m / self.wave_speed
-        if control is None:
-            on = scene.method.noise_control == "column"
-            slenderness = scene.silo.height_m / scene.silo.width_m
-            control = NoiseControl.for_column(self.period, slenderness) if on else NoiseControl()
-        self.control = control
+        self.rows_per_period = scene.output.records_per_period
+        self.control = noise_control(scene, self.period) if control is None else control
 
-        room = max(HEADROOM * scene.silo.height_m, scene.flow.displacement_m + 2.0 * h)
-        grid = Grid(scene.silo.width_m, scene.silo.height_m + room, h, copies=threads())
+        self.half, _ = half_model(scene)
+        self.whole = 2.0 if self.half else 1.0  # silo over what is computed of it
+        self.width = scene.silo.width_m / self.whole  # of what is computed [m]
+        self.columns = round(scene.silo.width_m / h) + 1 + 2 * MARGIN  # nodes across the silo
+
+        grid = Grid(self.width, scene.silo.height_m + headroom(scene), h, copies=threads())
         self.particles = self._fill_box()
         kernel, self.about_averaging = scene.averaging.kernel(scene.sand, self.spacing)
-        self.solver = Solver(
-            self.particles, grid, self.shape, self.law, self._walls(grid), control,
+        self.solver = (HalfSolver if self.half else Solver)(
+            self.particles, grid, self.shape, self.law, self._walls(grid), self.control,
             averaging=NonLocal(kernel, self.particles, self.spacing) if kernel else None,
             lanes=self._choose_lanes() if lanes is None else lanes, **scene.method.solver_options(),
         )  # fmt: skip
-        self.mass = float(self.particles.mass.to_numpy().sum())
+        self.mass = self.whole * float(self.particles.mass.to_numpy().sum())
         self.solver.advance(0, 1.0)  # compiles
 
     def _choose_lanes(self) -> bool | None:
@@ -139,7 +152,7 @@ class Simulation:
 
     def _fill_box(self) -> Particles:
         scene, d = self.scene, self.spacing
-        columns, rows = round(scene.silo.width_m / d), round(scene.silo.height_m / d)
+        columns, rows = round(self.width / d), round(scene.silo.height_m / d)
         x, y = np.meshgrid((np.arange(columns) + 0.5) * d, (np.arange(rows) + 0.5) * d)
         count = columns * rows
         particles = Particles(count, Particles.extras(self.law, self.shape, self.transfer))
@@ -160,9 +173,10 @@ class Simulation:
     def _walls(self, grid: Grid) -> tuple[PlaneWall, ...]:
         scene = self.scene
         side = NoSlip() if scene.walls.kind == "very-rough" else Coulomb(scene.wall_friction_angle_deg)
+        opposite = ("axis", Glide()) if self.half else ("right", side)
         return (
             PlaneWall("left", 0, -1, grid.node_along(0.0), side),
-            PlaneWall("right", 0, 1, grid.node_along(scene.silo.width_m), side),
+            PlaneWall(opposite[0], 0, 1, grid.node_along(self.width), opposite[1]),
             PlaneWall(
                 "bottom", 1, -1, grid.node_along(0.0), Coulomb(scene.walls.bottom_friction_angle_deg), motion=(0.0, 1.0)
             ),
@@ -173,7 +187,7 @@ class Simulation:
     @property
     def interval(self) -> float:
         """Time between records [s]."""
-        return self.period / ROWS_PER_PERIOD
+        return self.period / self.rows_per_period
 
     @property
     def filling_time(self) -> float:
@@ -193,7 +207,7 @@ class Simulation:
         count = math.ceil(duration / self.interval)
         for number in range(count):
             yield self._interval(duration / count, (g * number / count, g * (number + 1) / count), (0.0, 0.0))
-        recent = deque(maxlen=2 * ROWS_PER_PERIOD)
+        recent = deque(maxlen=2 * self.rows_per_period)
         longest = max(self.scene.method.longest_settling_s, LONGEST_SETTLING_PERIODS * self.period)
         for _ in range(math.ceil(longest / self.interval)):
             record = self._interval(self.interval, (g, g), (0.0, 0.0))
@@ -241,7 +255,7 @@ class Simulation:
         self.time += duration
         self.displacement -= 0.5 * (plate_velocity[0] + plate_velocity[1]) * duration
         self.steps += steps
-        profile = reaction / duration
+        profile = (whole_profile(reaction, self.columns) if self.half else reaction) / duration
         force = profile.sum(axis=1)
         return Record(
             time_s=self.time,
@@ -254,13 +268,13 @@ class Simulation:
             right_normal_N_per_m=-force[RIGHT, 0],
             right_shear_N_per_m=force[RIGHT, 1],
             weight_N_per_m=self.mass * 0.5 * (gravity[0] + gravity[1]),
-            momentum_rate_N_per_m=(after.momentum - before.momentum) / duration,
-            control_N_per_m=control[:, 1].sum() / duration,
-            kinetic_energy_J_per_m=after.kinetic_energy,
+            momentum_rate_N_per_m=self.whole * (after.momentum - before.momentum) / duration,
+            control_N_per_m=self.whole * control[:, 1].sum() / duration,
+            kinetic_energy_J_per_m=self.whole * after.kinetic_energy,
             time_step_s=dt,
             stable_step_s=after.stable_step,
             void_ratio_low=after.void_ratio_low,
-            separated=after.separated,
+            separated=int(self.whole) * after.separated,
             strays=after.strays,
             speed_m_per_s=after.speed,
             profile=profile,
@@ -269,18 +283,22 @@ class Simulation:
     # --- state ----------------------------------------------------------------------------------------------------
 
     def points(self) -> dict[str, np.ndarray]:
-        """All fields of the points as arrays, `position` in the laboratory, and `void_ratio`."""
+        """All fields of the points as arrays, `position` in the laboratory, and `void_ratio`; of the whole silo."""
+        own = self._computed()
+        return whole_points(own, self.scene.silo.width_m) if self.half else own
+
+    def _computed(self) -> dict[str, np.ndarray]:
         arrays = self.particles.arrays()
         arrays["position"] = arrays["position"] - np.array([0.0, self.displacement])
         arrays["void_ratio"] = arrays["volume"] * self.law.grain_density / arrays["mass"] - 1.0
         return arrays
 
     def _astray(self, count: int, dt: float) -> str:
-        points = self.points()
-        first = int(np.argmin(self.inside(points)))
+        points = self._computed()
+        first = int(np.argmin(self._within(points, self.width)))
         x, y = points["position"][first]
         if not np.isfinite(x + y):  # where it is cannot be said, but where it was filled in
-            across = round(self.scene.silo.width_m / self.spacing)
+            across = round(self.width / self.spacing)
             x, y = (first % across + 0.5) * self.spacing, (first // across + 0.5) * self.spacing
         return (
             f"after t = {self.time:.4f} s ({self.stage}, u = {1e3 * self.displacement:.3f} mm) {count} points left the "
@@ -290,7 +308,10 @@ class Simulation:
 
     def inside(self, points: dict[str, np.ndarray]) -> np.ndarray:
         """Which of `points()` are finite and within the grid less its margin."""
+        return self._within(points, self.scene.silo.width_m)
+
+    def _within(self, points: dict[str, np.ndarray], width_m: float) -> np.ndarray:
         grid = self.solver.grid
         place = points["position"] + np.array([0.0, self.displacement])
-        top = np.array([grid.columns - 2 * MARGIN, grid.rows - 2 * MARGIN]) * grid.cell_size
+        top = np.array([width_m + grid.cell_size, (grid.rows - 2 * MARGIN) * grid.cell_size])
         return ((place > -grid.cell_size) & (place < top)).all(axis=1) & np.isfinite(points["stress"]).all(axis=1)

@@ -120,6 +120,8 @@ class Solver(Loops):
             raise ValueError(f"the step cannot run on lanes because {hindrance}")
         self.lanes = Lanes(self) if lanes or (lanes is None and not shared and not hindrance) else None
 
+    MIRRORED = False  # whether nodes beyond the last column of the grid are images of those before it (half.py)
+
     # --- the step -----------------------------------------------------------------------------------------------
 
     def program(self, stress_update: str) -> list[tuple]:

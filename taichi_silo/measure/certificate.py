@@ -33,11 +33,12 @@ def certificate(records: pd.DataFrame, filled: dict | None, final: dict, simulat
     flow = records[records.stage == "flow"]
     if flow.empty or filled is None:
         return found
-    difference = (flow.left_normal_N_per_m - flow.right_normal_N_per_m).abs()
-    found["left_right_difference_over_weight"] = float(difference.max() / weight)
-    if (difference > 1e-9 * weight).any():
-        onset = flow.displacement_m[difference > 1e-9 * weight]
-        found["left_right_difference_from_displacement_m"] = float(onset.iloc[0])
+    if not simulation.half:  # else they are equal because one is the other's image
+        difference = (flow.left_normal_N_per_m - flow.right_normal_N_per_m).abs()
+        found["left_right_difference_over_weight"] = float(difference.max() / weight)
+        if (difference > 1e-9 * weight).any():
+            onset = flow.displacement_m[difference > 1e-9 * weight]
+            found["left_right_difference_from_displacement_m"] = float(onset.iloc[0])
     work = weight * flow.displacement_m
     found["largest_kinetic_energy_over_work"] = float((flow.kinetic_energy_J_per_m / work).max())
     found |= _steady_measures(flow, simulation)

@@ -7,9 +7,9 @@ import numpy as np
 
 from taichi_silo.grid import MARGIN
 from taichi_silo.observers import Observer
-from taichi_silo.simulation import BOTTOM, LEFT, RIGHT, ROWS_PER_PERIOD
+from taichi_silo.simulation import BOTTOM, LEFT, RIGHT
 
-BLOCK = 5 * ROWS_PER_PERIOD  # records whose mean makes a flow profile
+BLOCK_PERIODS = 5  # of the column, whose mean makes a flow profile
 
 
 class WallProfiles(Observer):
@@ -21,16 +21,18 @@ class WallProfiles(Observer):
     def begin(self, simulation) -> None:
         """Start with no state."""
         self.simulation = simulation
+        self.period = simulation.rows_per_period
+        self.full = BLOCK_PERIODS * self.period
         self.states: dict[str, tuple[float, np.ndarray]] = {}  # state: bottom displacement, profile
         self.block, self.largest = [], 0.0
 
     def observe(self, record) -> None:
         """Gather blocks of records."""
         if self.block and self.block[-1].stage != record.stage:
-            self._close(ROWS_PER_PERIOD)
+            self._close(self.period)
         self.block.append(record)
-        if record.stage == "flow" and len(self.block) == BLOCK:
-            self._close(BLOCK)
+        if record.stage == "flow" and len(self.block) == self.full:
+            self._close(self.full)
 
     def _close(self, count: int) -> None:
         recent = self.block[-count:]
@@ -49,7 +51,7 @@ class WallProfiles(Observer):
     def end(self) -> None:
         """Write the file."""
         if self.block and (self.block[-1].stage == "filling" or "residual" not in self.states):
-            self._close(ROWS_PER_PERIOD)
+            self._close(self.period)
         with open(self.file, "w", newline="") as stream:
             writer = csv.writer(stream)
             writer.writerow(["state", "wall", "height_m", "normal_stress_Pa", "shear_stress_Pa"])
@@ -60,7 +62,7 @@ class WallProfiles(Observer):
     def _write(self, writer, state: str, displacement: float, profile: np.ndarray) -> None:
         h, grid = self.simulation.scene.grid.cell_size_m, self.simulation.solver.grid
         sides = ((LEFT, "left", grid.rows, -displacement), (RIGHT, "right", grid.rows, -displacement))
-        for wall, name, slots, origin in (*sides, (BOTTOM, "bottom", grid.columns, 0.0)):
+        for wall, name, slots, origin in (*sides, (BOTTOM, "bottom", self.simulation.columns, 0.0)):
             coordinate, stress = wall_stress(profile[wall, :slots], h, closed=name == "bottom")
             normal, shear = (stress[:, 0], stress[:, 1]) if name != "bottom" else (stress[:, 1], stress[:, 0])
             normal = -normal if name == "right" else normal

@@ -13,7 +13,7 @@ from taichi_silo.measure.certificate import certificate
 from taichi_silo.measure.shear_zones import interior_zone_count, wall_zone_thickness_m
 from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
 from taichi_silo.observers import Observer
-from taichi_silo.simulation import ROWS_PER_PERIOD
+from taichi_silo.parts import parts
 from taichi_silo.theory.janssen import Janssen, pressure_ratio_from_normal_force
 
 RESIDUAL_SHARE = 0.05  # of the final displacement: the last part, whose mean is the residual state
@@ -52,8 +52,9 @@ class Summary(Observer):
     def end(self) -> None:
         """Write the file."""
         simulation, seconds = self.simulation, time.monotonic() - self.started
-        scene, records = simulation.scene, pd.DataFrame(self.records)
+        records = pd.DataFrame(self.records)
         found = {"finished": self.failure is None, "averaging": simulation.about_averaging}
+        found["parts"] = [dataclasses.asdict(part) for part in parts(simulation.scene)]
         if simulation.warnings:
             found["warnings"] = simulation.warnings
         if self.failure is not None:
@@ -65,13 +66,13 @@ class Summary(Observer):
             found["janssen"] = self._janssen(found["filling"])
             found["shear_zones"] = self._zones()
             found["largest_wall_normal_stress_Pa"] = self._wall_stresses()
-        stepping = simulation.stepping_seconds
+        stepping, points = simulation.stepping_seconds, simulation.particles.count
         found["cost"] = {
-            "points": scene.points,
+            "points": points,
             "steps": simulation.steps,
             "time_step_s": simulation.time / max(simulation.steps, 1),
             "seconds": stepping,
-            "particle_steps_per_second": scene.points * simulation.steps / max(stepping, 1e-9),
+            "particle_steps_per_second": points * simulation.steps / max(stepping, 1e-9),
             "wall_seconds": seconds,
         }
         temporary = self.file.with_suffix(".part")
@@ -80,13 +81,14 @@ class Summary(Observer):
 
     def _forces(self, records: pd.DataFrame) -> dict:
         """State after filling, peaks in flow (means over one period) and residual state."""
+        period = self.simulation.rows_per_period
         filling, flow = records[records.stage == "filling"], records[records.stage == "flow"]
         found = {"weight_N_per_m": self.simulation.mass * self.simulation.gravity}
         if not filling.empty:
-            found["filling"] = _means(filling.tail(ROWS_PER_PERIOD))
-        if len(flow) < ROWS_PER_PERIOD:
+            found["filling"] = _means(filling.tail(period))
+        if len(flow) < period:
             return found
-        smooth = flow[list(NAMES)].rolling(ROWS_PER_PERIOD, center=True, min_periods=ROWS_PER_PERIOD).mean()
+        smooth = flow[list(NAMES)].rolling(period, center=True, min_periods=period).mean()
         found["peak"] = {}
         for name, extreme in (
             ("bottom_N_per_m", "min"), ("shear_N_per_m", "max"), ("normal_N_per_m", "max"),

@@ -2,9 +2,8 @@
 
 from taichi_silo.measure.certificate import unexplained_densification
 from taichi_silo.observers import Observer
-from taichi_silo.simulation import ROWS_PER_PERIOD
 
-EVERY = 2 * ROWS_PER_PERIOD  # records between two looks
+EVERY_PERIODS = 2  # of the column between two looks
 MOST_LOST = 0.003  # of void ratio, without shear that explains it
 
 
@@ -22,7 +21,7 @@ class Watch(Observer):
     def observe(self, record) -> None:
         """Compare the sand that has not been sheared with its state after filling."""
         self.count += 1
-        if self.said or self.filled_state is None or self.count % EVERY:
+        if self.said or self.filled_state is None or self.count % (EVERY_PERIODS * self.simulation.rows_per_period):
             return
         now, scene = self.simulation.points(), self.simulation.scene
         lost, where = unexplained_densification(self.filled_state, now, scene)

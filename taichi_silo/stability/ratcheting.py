@@ -7,7 +7,7 @@ import numpy as np
 from taichi_silo.faults import RunFailed
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.noise import NoiseControl
-from taichi_silo.scene import Flow, Machine, Mesh, Method, Sand, Scene, Walls
+from taichi_silo.scene import Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
 from taichi_silo.simulation import LEFT, RIGHT, Simulation
 from taichi_silo.stability.cell import Cell, cells_of
 from taichi_silo.theory.janssen import Janssen
@@ -43,7 +43,7 @@ QUICK = ("drag to the mean (default)", "no control")
 def silo(method: dict, law: str, control: str | None) -> Simulation:
     """The model silo on 10 mm cells, dense sand, smooth walls."""
     scene = Scene(
-        sand=Sand(law=law), walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.01),
+        silo=Silo(half="no"), sand=Sand(law=law), walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.01),
         flow=Flow(speed_m_per_s=0.005, displacement_m=0.002),
         method=Method(longest_settling_s=0.3, **method), machine=Machine(threads=1),
     )  # fmt: skip

@@ -29,9 +29,12 @@ class Coulomb:
     def touch(self, relative, normal):
         """Admissible relative velocity."""
         approach = ti.max(relative.dot(normal), 0.0)
-        sliding = relative - relative.dot(normal) * normal
-        speed = sliding.norm() + 1e-300
-        return relative - approach * normal - ti.min(self.coefficient * approach / speed, 1.0) * sliding
+        touched = relative - approach * normal
+        if ti.static(self.coefficient > 0.0):
+            sliding = relative - relative.dot(normal) * normal
+            speed = sliding.norm() + 1e-300
+            touched -= ti.min(self.coefficient * approach / speed, 1.0) * sliding
+        return touched
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from taichi_silo import runtime
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.observers.profiles import wall_stress
 from taichi_silo.phases import scatter
-from taichi_silo.scene import Flow, Mesh, Method, Sand, Scene, Walls
+from taichi_silo.scene import Flow, Mesh, Method, Sand, Scene, Silo, Walls
 from taichi_silo.simulation import LEFT, RIGHT, Simulation
 from taichi_silo.theory.janssen import Janssen
 
@@ -39,6 +39,7 @@ class History:
     def __init__(self, void_ratio, walls, noise_control="column", cell_size=0.02, displacement=0.004):
         runtime.init()
         self.scene = Scene(
+            silo=Silo(half="no"),  # left and right are to be compared
             sand=Sand(void_ratio=void_ratio),
             walls=Walls(kind=walls),
             grid=Mesh(cell_size_m=cell_size),
@@ -214,7 +215,7 @@ def test_sand_with_memory_fills_and_flows_between_smooth_walls_as_janssen_says()
         flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), method=Method(filling_time_s=0.3, longest_settling_s=0.3),
     )  # fmt: skip
     simulation = Simulation(scene)
-    assert simulation.particles.arrays()["intergranular"] == pytest.approx(np.tile([0.0, -1e-4, 0.0, 0.0], (160, 1)))
+    assert simulation.points()["intergranular"] == pytest.approx(np.tile([0.0, -1e-4, 0.0, 0.0], (160, 1)))
     records = list(simulation.run())
     theory = Janssen(0.2, 0.5, scene.density_kg_per_m3 * 9.81, 19.0, rest_pressure_ratio(scene.sand.skeleton(), 0.60))
     filled = np.mean([r.normal_N_per_m for r in records if r.stage == "filling"][-10:])

@@ -64,8 +64,6 @@ def test_no_ratcheting_between_smooth_walls(cases, name):
     later = case.flow[case.flow.displacement_m > 5e-4]
     normal = 0.5 * (later.left_normal_N_per_m + later.right_normal_N_per_m)
     assert (normal / filled - 1.0).abs().max() < 0.04
-    # friction flutter grows from round-off and stays below a millionth; without friction the sides stay equal
-    assert case.certificate["left_right_difference_over_weight"] < 1e-6
 
 
 @pytest.mark.parametrize(("name", "angle"), [("dense_smooth", 19.0), ("loose_smooth", 12.3)])
@@ -116,12 +114,15 @@ def test_loose_sand_between_very_rough_walls_contracts_along_them(cases):
 
 
 def test_without_friction_left_and_right_stay_equal_to_round_off():
-    from taichi_silo import Flow, Scene, Simulation, Walls, runtime
+    from taichi_silo import Flow, Scene, Silo, Simulation, Walls, runtime
 
     runtime.init()
     simulation = Simulation(
-        Scene(walls=Walls(kind="smooth", friction_angle_deg=0.0), flow=Flow(speed_m_per_s=0.005, displacement_m=0.003))
-    )
+        Scene(
+            silo=Silo(half="no"), walls=Walls(kind="smooth", friction_angle_deg=0.0),
+            flow=Flow(speed_m_per_s=0.005, displacement_m=0.003),
+        )
+    )  # fmt: skip
     weight = simulation.scene.weight_N_per_m
     for record in simulation.run():
         assert abs(record.left_normal_N_per_m - record.right_normal_N_per_m) < 1e-12 * weight

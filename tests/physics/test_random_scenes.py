@@ -55,7 +55,7 @@ def go(scene):
     runtime.init()
     simulation = Simulation(scene)
     arrays = simulation.particles.arrays()
-    mass, depth = arrays["mass"], scene.silo.height_m - arrays["position"][:, 1]
+    mass, depth = simulation.points()["mass"], scene.silo.height_m - arrays["position"][:, 1]
     vertical = simulation.density * simulation.gravity * depth
     arrays["stress"] = -np.stack([0.5 * vertical, vertical, 0.5 * vertical, 0.0 * vertical], axis=1)
     simulation.particles.load(arrays)
@@ -69,7 +69,7 @@ def go(scene):
         # a bottom that starts with a jolt beyond the sand's strength is stopped by the guard, which has its own tests
         assume(not after.strays and dt <= LONGEST_STEP * after.stable_step)
         simulation.displacement += 20.0 * dt * v
-        weight, force = mass.sum() * g, reaction[:, :, 1].sum() / (20 * dt)
+        weight, force = arrays["mass"].sum() * g, reaction[:, :, 1].sum() / (20 * dt)
         rate = (after.momentum - before.momentum) / (20 * dt)
         scale = max(weight, abs(force), abs(rate))
         residual = force - weight - rate + control[:, 1].sum() / (20 * dt)

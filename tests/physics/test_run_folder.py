@@ -111,6 +111,8 @@ def test_the_summary_holds_peaks_certificate_and_cost(folder):
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["finished"]
     assert {"filling", "peak", "residual", "certificate", "janssen", "shear_zones", "cost"} <= set(summary)
+    assert summary["cost"]["points"] == 20  # of the half that is computed
+    assert [part["choice"] for part in summary["parts"] if part["part"] == "half model"] == ["on"]
     assert set(summary["cost"]) >= {"points", "steps", "time_step_s", "seconds", "particle_steps_per_second"}
     certificate = summary["certificate"]
     assert certificate["force_balance_residual_over_weight"] < 1e-9

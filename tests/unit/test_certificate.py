@@ -43,7 +43,7 @@ def state(time_s, settle=0.0, path=0.0):
 
 
 def judge(records, final):
-    simulation = SimpleNamespace(scene=SCENE, settled=True, period=PERIOD, flow_start=0.0, mass=165.6)
+    simulation = SimpleNamespace(scene=SCENE, settled=True, period=PERIOD, flow_start=0.0, mass=165.6, half=False)
     return certificate(records, state(0.0), final, simulation)
 
 

@@ -8,7 +8,7 @@ from taichi_silo.scene import Flow, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.simulation import Simulation
 
 SCENE = Scene(
-    silo=Silo(width_m=0.1, height_m=0.2),
+    silo=Silo(width_m=0.1, height_m=0.2, half="no"),
     grid=Mesh(cell_size_m=0.01),
     flow=Flow(speed_m_per_s=0.02, displacement_m=0.002),
 )

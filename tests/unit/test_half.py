@@ -1,0 +1,163 @@
+"""Half of a symmetric silo is the half of the whole: same points, same forces, to round-off."""
+
+import numpy as np
+import pytest
+
+from taichi_silo import runtime, simulation
+from taichi_silo.grid import MARGIN
+from taichi_silo.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
+from taichi_silo.simulation import BOTTOM, LEFT, RIGHT, Simulation
+from taichi_silo.solver import Solver
+from taichi_silo.symmetry import half_model, whole_points, whole_profile
+
+CELL, ACROSS, HIGH = 0.02, 6, 8
+VARIANTS = [
+    {"walls": "smooth", "law": "intergranular"},
+    {"walls": "very-rough", "shape": "cpdi", "per_cell": 4},
+    {"walls": "smooth", "shape": "bspline", "per_cell": 4, "transfer": "apic"},
+    {"walls": "very-rough", "transfer": "xpic"},
+    {"walls": "smooth", "shape": "linear", "stress_update": "first"},
+    {"walls": "very-rough", "shape": "cpgimp", "stress_update": "modified", "transfer": "gradient"},
+]
+
+
+def scene(half, walls="smooth", shape="ugimp", per_cell=1, law="auto", threads=1, averaging=0.0, **method):
+    return Scene(
+        silo=Silo(width_m=ACROSS * CELL, height_m=HIGH * CELL, half=half),
+        sand=Sand(law=law), walls=Walls(kind=walls, friction_angle_deg=None),
+        grid=Mesh(cell_size_m=CELL, shape=shape, points_per_cell=per_cell),
+        averaging=Averaging(characteristic_length_m=averaging),
+        flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), machine=Machine(threads=threads),
+        method=Method(filling_time_s=0.2, longest_settling_s=0.1, **method),
+    )  # fmt: skip
+
+
+def started(half, shared=None, **choices):
+    what = scene(half, **choices)
+    runtime.init(threads=what.machine.threads)
+    silo = Simulation(what)
+    if shared:
+        own = silo.solver
+        silo.solver = type(own)(
+            own.particles, type(own.grid)(silo.width, own.grid.height, CELL), own.shape, own.law, own.walls,
+            own.control, shared=True, **what.method.solver_options(),
+        )  # fmt: skip
+    return silo
+
+
+def points_after(steps, half, **choices):
+    """Points of the whole silo by rows from below, and the forces of the walls by node."""
+    silo = started(half, **choices)
+    silo.solver.advance(steps, 2e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
+    points = silo.points()
+    rows = round(silo.scene.silo.height_m / silo.spacing)
+    if silo.half:  # the images of a row follow its points, from right to left
+        points = {
+            name: np.concatenate(
+                [values[: len(values) // 2].reshape(rows, -1, *values.shape[1:]),
+                 values[len(values) // 2 :].reshape(rows, -1, *values.shape[1:])[:, ::-1]], axis=1
+            ).reshape(values.shape)
+            for name, values in points.items()
+        }  # fmt: skip
+    reaction = silo.solver.books.take()[0]
+    return points, whole_profile(reaction, silo.columns) if silo.half else reaction
+
+
+@pytest.mark.parametrize("choices", VARIANTS, ids=lambda v: " ".join(str(value) for value in v.values()))
+def test_every_point_and_every_wall_node_is_that_of_the_whole(choices):
+    whole, forces = points_after(300, "no", **choices)
+    half, forces_half = points_after(300, "yes", **choices)
+    for name, field in whole.items():
+        assert np.abs(field - half[name]).max() <= 1e-9 * np.abs(field).max(), name
+    assert np.abs(forces - forces_half).max() < 1e-9 * np.abs(forces).max()
+
+
+@pytest.mark.parametrize("how", [{"threads": 2}, {"threads": 2, "shared": True}], ids=["two threads", "atomic sums"])
+@pytest.mark.parametrize("update", ["last", "modified"])
+def test_the_loops_agree_about_the_half(how, update):
+    alone, forces = points_after(300, "yes", stress_update=update)
+    other, forces_other = points_after(300, "yes", stress_update=update, **how)
+    for name, field in alone.items():
+        assert np.abs(field - other[name]).max() <= 1e-9 * np.abs(field).max(), name
+    assert np.abs(forces - forces_other).max() < 1e-9 * np.abs(forces).max()
+
+
+def forces(silo):
+    return np.array([[r.bottom_N_per_m, r.shear_N_per_m, r.normal_N_per_m] for r in silo.run()])
+
+
+@pytest.mark.parametrize("walls", ["smooth", "very-rough"])
+def test_P_T_N_and_the_balance_of_a_run_are_those_of_the_whole(walls):
+    whole, half = (list(started(choice, walls=walls).run()) for choice in ("no", "yes"))
+    weight = whole[-1].weight_N_per_m
+    assert len(whole) == len(half)
+    for a, b in zip(whole, half, strict=True):
+        for name in ("bottom_N_per_m", "shear_N_per_m", "normal_N_per_m", "control_N_per_m"):
+            assert getattr(b, name) == pytest.approx(getattr(a, name), abs=1e-9 * weight), name
+        assert b.kinetic_energy_J_per_m == pytest.approx(a.kinetic_energy_J_per_m, rel=1e-6)
+        assert b.weight_N_per_m == pytest.approx(a.weight_N_per_m, rel=1e-12)
+        assert abs(b.residual_N_per_m) < 1e-9 * weight
+        assert b.left_normal_N_per_m == b.right_normal_N_per_m
+        assert b.left_shear_N_per_m == b.right_shear_N_per_m
+
+
+def test_a_smooth_plate_along_the_axis_alone_would_not_do(monkeypatch):
+    """Nodes beyond the axis that do not know of the other half cost a thousandth of the forces."""
+    whole = forces(started("no"))
+    monkeypatch.setattr(simulation, "HalfSolver", Solver)
+    plate = forces(started("yes"))
+    count = min(len(whole), len(plate))
+    assert np.abs(plate[:count] - whole[:count]).max() > 1e-4 * whole[-1, 0]
+
+
+def test_a_mirror_turns_shear_and_horizontal_velocity_and_nothing_else():
+    half = {
+        "position": np.array([[0.01, 0.3]]), "velocity": np.array([[1.0, 2.0]]), "mass": np.array([5.0]),
+        "stress": np.array([[-1.0, -2.0, -3.0, 0.5]]),
+    }  # fmt: skip
+    whole = whole_points(half, 0.2)
+    assert whole["position"][1] == pytest.approx([0.19, 0.3])
+    assert list(whole["velocity"][1]) == [-1.0, 2.0]
+    assert list(whole["stress"][1]) == [-1.0, -2.0, -3.0, -0.5]
+    assert list(whole["mass"]) == [5.0, 5.0]
+
+
+def test_the_bottoms_node_on_the_axis_bears_both_halves():
+    cells, slots = 6, 12
+    columns = cells + 1 + 2 * MARGIN
+    half = np.zeros((3, slots, 2))
+    half[0, :, 0], half[0, :, 1] = 2.0, 3.0
+    half[2, MARGIN : MARGIN + cells // 2 + 1] = [[0.1, 4.0], [0.2, 5.0], [0.3, 6.0], [0.0, 7.0]]
+    whole = whole_profile(half, columns)
+    bottom = whole[BOTTOM, MARGIN : MARGIN + cells + 1]
+    assert list(bottom[:, 1]) == [4.0, 5.0, 6.0, 14.0, 6.0, 5.0, 4.0]
+    assert list(bottom[:, 0]) == [0.1, 0.2, 0.3, 0.0, -0.3, -0.2, -0.1]
+    assert whole[BOTTOM].sum(axis=0) == pytest.approx([0.0, 2.0 * half[2, :, 1].sum()])
+    assert (whole[RIGHT, :slots] == whole[LEFT, :slots] * [-1.0, 1.0]).all()
+
+
+def test_smooth_walls_are_halved_by_themselves_and_an_odd_number_of_cells_never():
+    assert half_model(scene("auto"))[0]
+    odd = Scene(silo=Silo(width_m=0.1), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth"))
+    on, because = half_model(odd)
+    assert not on
+    assert "5 cells" in because
+
+
+def test_a_slender_silo_whose_sand_may_sway_stays_whole():
+    slender = Scene(silo=Silo(width_m=0.04), walls=Walls(kind="smooth"))
+    on, because = half_model(slender)
+    assert not on
+    assert "12.5 times as high as wide" in because
+
+
+@pytest.mark.parametrize(
+    ("choices", "word"),
+    [({"averaging": 0.02}, "average, 20 mm long"), ({"stress_filter": "null-space"}, "null-space filter")],
+)
+def test_what_reaches_across_the_axis_keeps_the_silo_whole(choices, word):
+    on, because = half_model(scene("auto", **choices))
+    assert not on
+    assert word in because
+    with pytest.raises(ValueError, match=f"half is yes; .*{word}"):
+        scene("yes", **choices)

@@ -1,0 +1,131 @@
+"""A scene gets no more than it needs, each decision comes with its number, and a flag overrules it."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import ClassVar
+
+import pytest
+import taichi as ti
+
+from taichi_silo.parts import parts
+from taichi_silo.runtime import real
+from taichi_silo.scene import Averaging, Flow, Mesh, Method, Output, Sand, Scene, Silo, Walls
+from taichi_silo.simulation import Simulation
+from taichi_silo.walls import Coulomb
+
+SCRIPT = Path(__file__).parents[2] / "scenarios" / "mass_flow.py"
+
+
+class Shaken(Flow):
+    """A flow that strains the sand to and fro."""
+
+    TURNS_BACK: ClassVar[bool] = True
+
+
+def decided(**tables):
+    return {part.part: part for part in parts(Scene(**tables))}
+
+
+def test_the_list_has_a_choice_and_a_number_for_every_part():
+    found = parts(Scene())
+    assert [part.part for part in found] == [
+        "intergranular strain", "non-local average", "half model", "stress sub-stepping", "particle domains",
+        "wall friction solve", "noise control", "output", "inactive cells", "sand at rest",
+    ]  # fmt: skip
+    for part in found:
+        assert part.choice
+        assert part.because.endswith(".")
+        assert re.search(r"\d", part.because), part
+
+
+def test_every_flag_that_overrules_is_one_of_the_command_line():
+    helped = subprocess.run([sys.executable, str(SCRIPT), "--help"], capture_output=True, text=True, timeout=120).stdout
+    for part in parts(Scene()):
+        for flag in re.findall(r"--[a-z-]+", part.flag):
+            assert flag in helped
+
+
+def test_only_sand_that_is_turned_back_gets_a_memory():
+    assert decided()["intergranular strain"].choice == "off"
+    assert decided(flow=Shaken())["intergranular strain"].choice == "on"
+    assert Scene(flow=Shaken()).law.REMEMBERS
+    asked = Scene(flow=Shaken(), sand=Sand(law="gudehus-bauer"))
+    assert not asked.law.REMEMBERS
+
+
+def test_the_average_is_on_once_points_are_closer_than_its_length():
+    assert decided()["non-local average"].choice == "off"
+    part = decided(averaging=Averaging(characteristic_length_m=0.01))["non-local average"]
+    assert part.choice == "on"
+    assert "10 mm" in part.because
+
+
+def test_friction_is_solved_only_where_sand_slips_with_friction():
+    assert decided()["wall friction solve"].choice == "off"
+    assert decided(walls=Walls(bottom_friction_angle_deg=20.0))["wall friction solve"].choice == "on"
+    part = decided(walls=Walls(kind="smooth"))["wall friction solve"]
+    assert part.choice == "on"
+    assert "19 deg" in part.because
+    assert decided(walls=Walls(kind="smooth", friction_angle_deg=0.0))["wall friction solve"].choice == "off"
+
+
+def test_domains_are_on_for_the_shapes_that_convect_them():
+    assert decided()["particle domains"].choice == "off"
+    for shape in ("cpdi", "cpgimp"):
+        assert decided(grid=Mesh(shape=shape))["particle domains"].choice == "on"
+
+
+def test_without_noise_control_the_list_says_so():
+    assert decided(method=Method(noise_control="none"))["noise control"].choice == "off"
+
+
+def test_nodes_in_the_sand_are_counted_of_what_is_computed():
+    whole, half = (
+        decided(silo=Silo(half=choice), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth"))["inactive cells"]
+        for choice in ("no", "yes")
+    )
+    simulation = Simulation(Scene(silo=Silo(half="no"), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth")))
+    assert whole.because.startswith(f"{11 * 26} of {simulation.solver.grid.nodes} nodes")
+    assert half.because.startswith(f"{6 * 26} of ")
+
+
+def test_a_frictionless_wall_takes_what_approaches_and_lets_go_what_recedes():
+    contact = Coulomb(0.0)
+
+    @ti.kernel
+    def touched(x: real, y: real) -> ti.types.vector(2, real):
+        return contact.touch(ti.Vector([x, y]), ti.Vector([1.0, 0.0]))
+
+    assert list(touched(2.0, 3.0)) == [0.0, 3.0]
+    assert list(touched(-2.0, 3.0)) == [-2.0, 3.0]
+
+
+def test_twice_the_records_change_no_force():
+    """Rows are more, their means the same: the steps in between are chosen from the sand, not from the rows."""
+
+    def run(records):
+        scene = Scene(
+            silo=Silo(width_m=0.12, height_m=0.2), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth"),
+            flow=Flow(speed_m_per_s=0.02, displacement_m=0.001), output=Output(records_per_period=records),
+            method=Method(filling_time_s=0.2, longest_settling_s=0.1),
+        )  # fmt: skip
+        return [record for record in Simulation(scene).run() if record.stage == "flow"]
+
+    few, many = run(10), run(20)
+    assert len(many) == pytest.approx(2 * len(few), abs=1)
+    for name in ("bottom_N_per_m", "shear_N_per_m", "normal_N_per_m"):
+        means = [sum(getattr(r, name) * r.interval_s for r in rows) / rows[-1].displacement_m for rows in (few, many)]
+        assert means[1] == pytest.approx(means[0], rel=2e-3)
+
+
+def test_explaining_runs_nothing(tmp_path):
+    done = subprocess.run(
+        [sys.executable, str(SCRIPT), "--explain", "--output", str(tmp_path / "run")],
+        capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "half model" in done.stdout
+    assert "--noise-control" in done.stdout
+    assert not (tmp_path / "run").exists()
