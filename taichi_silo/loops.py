@@ -7,6 +7,7 @@ from taichi_silo.barrier import Barrier
 from taichi_silo.runtime import real
 
 POINTS, NODES = 0, 1  # what a phase runs over
+BURST = 8  # steps in a launch, where each phase is a task of its own: the host's part of a launch is shared
 
 
 @ti.dataclass
@@ -25,8 +26,8 @@ class Loops:
 
     A phase is (number, POINTS or NODES, function, option); a function of points takes (p, t, step, option, shared),
     one of nodes (i, j, step, option, shared), t being the thread's number. On one thread and on several, which keep
-    their own strips of points and copies of the sums, one launch does many steps; `shared`, as on a GPU, is one launch
-    a phase with atomic sums.
+    their own strips of points and copies of the sums, one launch does many steps; `shared`, as on a GPU, is one task a
+    phase with atomic sums.
     """
 
     def __init__(self, shared: bool | None):
@@ -46,8 +47,11 @@ class Loops:
         if self.lanes:
             self.lanes.run(done, count, steps, dt, *schedule)
         elif self.shared:
-            for number in range(done, done + count):
-                self._step_shared(number, steps, dt, *schedule)
+            number = done
+            while number < done + count:
+                together = BURST if done + count - number >= BURST else 1
+                self._steps_shared(number, together, steps, dt, *schedule)
+                number += together
         elif self.threads == 1:
             self._steps_alone(done, count, steps, dt, *schedule)
         else:
@@ -62,20 +66,23 @@ class Loops:
         )
 
     @ti.kernel
-    def _step_shared(
-        self, number: ti.i32, steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real, filling_drag: real
-    ):
-        for _phase, over, do, option in ti.static(self.phases):
-            if ti.static(over == POINTS):
-                for p in range(self.particles.active[None]):
-                    do(p, 0, self.at(number, steps, dt, g0, g1, v0, v1, filling_drag), option, True)
-            else:
-                for k in range(self.grid.nodes):
-                    j = k // self.grid.columns
-                    i = k - j * self.grid.columns
-                    do(i, j, self.at(number, steps, dt, g0, g1, v0, v1, filling_drag), option, True)
-        for t in range(1):
-            self.grid.follow(t, self.at(number, steps, dt, g0, g1, v0, v1, filling_drag))
+    def _steps_shared(
+        self, done: ti.i32, count: ti.template(), steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real,
+        filling_drag: real,
+    ):  # fmt: skip
+        for number in ti.static(range(count)):
+            for _phase, over, do, option in ti.static(self.phases):
+                if ti.static(over == POINTS):
+                    for p in range(self.particles.active[None]):
+                        do(p, 0, self.at(done + number, steps, dt, g0, g1, v0, v1, filling_drag), option, True)
+                else:
+                    for k in range(self.grid.nodes):
+                        j = k // self.grid.columns
+                        i = k - j * self.grid.columns
+                        do(i, j, self.at(done + number, steps, dt, g0, g1, v0, v1, filling_drag), option, True)
+            if ti.static(self.grid.follows in ("top", "surface")):
+                for t in range(1):
+                    self.grid.follow(t, self.at(done + number, steps, dt, g0, g1, v0, v1, filling_drag))
 
     @ti.kernel
     def _steps_alone(
