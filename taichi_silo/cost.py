@@ -22,7 +22,6 @@ from taichi_silo.simulation import (
     FIRST_STEP,
     LONGEST_SETTLING_PERIODS,
     RAMP_PERIODS,
-    ROWS_PER_PERIOD,
     SHORTEST_FILLING_PERIODS,
     STEP_SAFETY,
     Simulation,
@@ -61,7 +60,7 @@ def steps(scene: Scene) -> int:
 
     c = speed(0.5 * scene.density_kg_per_m3 * method.gravity_m_per_s2 * height)
     period = 4.0 * height / c
-    interval = period / ROWS_PER_PERIOD
+    interval = period / scene.output.records_per_period
     fraction = SHAPES[scene.grid.shape](0.5 / math.isqrt(scene.grid.points_per_cell)).stable_fraction
     fraction = STEP_SAFETY * fraction if method.cfl is None else method.cfl
 

@@ -106,7 +106,7 @@ class Grid:
     def velocity_of_origin(self, step):
         """How fast the grid as a whole moves [m/s]."""
         rides = 1.0 if ti.static(self.follows == "bottom") else 0.0
-        return ti.Vector([0.0, rides * step.plate_velocity])
+        return 0.0, rides * step.plate_velocity
 
     @ti.func
     def velocity_of_frame(self, step, j):
@@ -114,7 +114,7 @@ class Grid:
         upwards = self.velocity_of_origin(step)[1]
         if ti.static(self.follows == "top"):
             upwards = step.plate_velocity * (j - MARGIN) / (self.top - MARGIN)
-        return ti.Vector([0.0, upwards])
+        return 0.0, upwards
 
     @ti.func
     def recent_velocity(self, step, j, k, mass):
@@ -126,7 +126,8 @@ class Grid:
         if self.memory[k, 2] == 0.0:
             frame = self.velocity_of_frame(step, j)
             self.memory[k, 0], self.memory[k, 1], self.memory[k, 2] = mass * frame[0], mass * frame[1], mass
-        return ti.Vector([self.memory[k, 0], self.memory[k, 1]]) * (1.0 / ti.max(self.memory[k, 2], mass))
+        per_mass = 1.0 / ti.max(self.memory[k, 2], mass)
+        return self.memory[k, 0] * per_mass, self.memory[k, 1] * per_mass
 
     @ti.func
     def remember(self, k, share, mass, velocity):

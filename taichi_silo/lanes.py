@@ -278,11 +278,10 @@ class Lanes:
             m = total[0]
             if m > 0.0:
                 per_m = 1.0 / m
-                old = ti.Vector([total[1], total[2]]) * per_m
-                push = ti.Vector([total[3] + total[4] + total[6], total[5] + total[7]]) * per_m
-                new = motion_of_node(self.grid, s.walls, s.control, s.books, s.down, i, j, step, m, old, push, False)
-                change = new - old
-                nodal[k] = eight(new[0], new[1], change[0], change[1], new[0], new[1], new[0], new[1])
+                old = total[1] * per_m, total[2] * per_m
+                push = (total[3] + total[4] + total[6]) * per_m, (total[5] + total[7]) * per_m
+                x, y = motion_of_node(self.grid, s.walls, s.control, s.books, s.down, i, j, step, m, old, push, False)
+                nodal[k] = eight(x, y, x - old[0], y - old[1], x, y, x, y)
             else:
                 self.grid.forget(k)
         if ti.static(s.MIRRORED):

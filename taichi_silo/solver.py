@@ -108,7 +108,7 @@ class Solver(Loops):
         self.transfer = transfer or Flip()
         self.echo_walls = () if self.transfer.ECHO else self.walls
         self.filter = filtering(particles, grid, law) if filtering else Unfiltered()
-        self.down = ti.Vector([float(down[0]), float(down[1])])
+        self.down = float(down[0]), float(down[1])
         self.stress_update = stress_update
         super().__init__(shared)
         self.phases = tuple((number, *phase) for number, phase in enumerate(self.program(stress_update)))

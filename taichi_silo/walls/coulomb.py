@@ -1,7 +1,8 @@
 """The one friction formula: how a wall changes the velocity of the sand that touches it.
 
 The contract of a contact, a frozen dataclass: `touch(relative, normal)` takes the sand's trial velocity relative to
-the wall [m/s] and the unit normal that points out of the sand, and returns the admissible relative velocity.
+the wall [m/s] and the unit normal that points out of the sand, and returns the admissible relative velocity; all are
+pairs (x, y).
 """
 
 import math
@@ -28,13 +29,15 @@ class Coulomb:
     @ti.func
     def touch(self, relative, normal):
         """Admissible relative velocity."""
-        approach = ti.max(relative.dot(normal), 0.0)
-        touched = relative - approach * normal
+        along = relative[0] * normal[0] + relative[1] * normal[1]
+        approach = ti.max(along, 0.0)
+        x, y = relative[0] - approach * normal[0], relative[1] - approach * normal[1]
         if ti.static(self.coefficient > 0.0):
-            sliding = relative - relative.dot(normal) * normal
-            speed = sliding.norm() + 1e-300
-            touched -= ti.min(self.coefficient * approach / speed, 1.0) * sliding
-        return touched
+            sliding_x, sliding_y = relative[0] - along * normal[0], relative[1] - along * normal[1]
+            speed = ti.sqrt(sliding_x * sliding_x + sliding_y * sliding_y) + 1e-300
+            loss = ti.min(self.coefficient * approach / speed, 1.0)
+            x, y = x - loss * sliding_x, y - loss * sliding_y
+        return x, y
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class NoSlip:
     @ti.func
     def touch(self, relative, normal):
         """Admissible relative velocity: none."""
-        return 0.0 * relative
+        return 0.0 * relative[0], 0.0 * relative[1]
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,8 @@ class Glide:
     @ti.func
     def touch(self, relative, normal):
         """Admissible relative velocity: along the plate."""
-        return relative - relative.dot(normal) * normal
+        along = relative[0] * normal[0] + relative[1] * normal[1]
+        return relative[0] - along * normal[0], relative[1] - along * normal[1]
 
 
 @dataclass(frozen=True)
@@ -64,4 +68,5 @@ class Grip:
     @ti.func
     def touch(self, relative, normal):
         """Admissible relative velocity: along the normal."""
-        return relative.dot(normal) * normal
+        along = relative[0] * normal[0] + relative[1] * normal[1]
+        return along * normal[0], along * normal[1]

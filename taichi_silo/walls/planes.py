@@ -57,7 +57,7 @@ class PlaneWall:
     def normal(self):
         """Unit normal out of the sand."""
         across = 1.0 if self.axis == 0 else 0.0
-        return ti.Vector([across * self.side, (1.0 - across) * self.side])
+        return across * self.side, (1.0 - across) * self.side
 
 
 @dataclass(frozen=True)
@@ -89,4 +89,4 @@ class Pin:
     @ti.func
     def normal(self):
         """Along x."""
-        return ti.Vector([1.0, 0.0])
+        return 1.0, 0.0
