@@ -209,7 +209,7 @@ class Lanes:
                 i, sx, gx, j, sy, gy = weights(self.particles, self.grid, self.shape, points, g, t, patch)
                 lowest, highest = ti.min(lowest, j), ti.max(highest, j)
                 first = j * columns + i
-                for lane in ti.static(range(LANES)):
+                for lane in range(LANES):
                     k = strip * self.grid.nodes + ti.cast(first[lane], ti.i32)
                     v = eight(
                         given[0][lane], given[1][lane], given[2][lane], given[3][lane], given[4][lane], given[5][lane],
@@ -309,7 +309,7 @@ class Lanes:
         for patch in ti.static(range(self.shape.PATCHES)):
             i, sx, gx, j, sy, gy = weights(self.particles, self.grid, self.shape, points, g, t, patch)
             first = j * self.grid.columns + i
-            for lane in ti.static(range(LANES)):
+            for lane in range(LANES):
                 k = ti.cast(first[lane], ti.i32)
                 total = eight(0.0)
                 for b in ti.static(range(self.shape.NODES)):

@@ -15,6 +15,8 @@ from taichi_silo.scene import Flow, Mesh, Method, Sand, Scene, Silo, Walls
 from taichi_silo.simulation import LEFT, RIGHT, Simulation
 from taichi_silo.theory.janssen import Janssen
 
+LANES = True  # see conftest.py
+
 CASES = [(0.60, "smooth"), (0.60, "very-rough"), (0.90, "smooth"), (0.90, "very-rough")]
 CURVES = ("displacement_m", "bottom_N_per_m", "shear_N_per_m", "normal_N_per_m")
 

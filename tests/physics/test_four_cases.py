@@ -12,6 +12,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+LANES = True  # see conftest.py
+
 pytestmark = pytest.mark.long
 
 SCRIPT = Path(__file__).parents[2] / "scenarios" / "four_cases.py"

@@ -13,6 +13,8 @@ from taichi_silo.simulation import Simulation
 from taichi_silo.solver import STRESS_UPDATES
 from taichi_silo.transfers import TRANSFERS
 
+LANES = True  # see conftest.py
+
 
 @st.composite
 def any_sand(draw):

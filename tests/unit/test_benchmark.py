@@ -8,6 +8,8 @@ from taichi_silo.averaging import Gaussian, NonLocal
 from taichi_silo.scene import Mesh, Scene
 from taichi_silo.simulation import Simulation
 
+LANES = True  # see conftest.py
+
 
 def test_every_phase_runs():
     simulation = Simulation(Scene(grid=Mesh(cell_size_m=0.02)))

@@ -26,6 +26,8 @@ from taichi_silo.runtime import eight, ti
 from taichi_silo.shapes import SHAPES
 from taichi_silo.tensors import norm, spun
 
+LANES = True  # see conftest.py
+
 runtime.init()
 law = GudehusBauer(beta=1.05)
 shapes = tuple(kind(0.25) for kind in SHAPES.values())

@@ -8,6 +8,8 @@ import pytest
 from taichi_silo import proof, simulation
 from taichi_silo.scene import Machine, Mesh, Scene
 
+LANES = True  # see conftest.py
+
 COARSE = Scene(grid=Mesh(cell_size_m=0.1), machine=Machine(threads=1))
 
 
