@@ -70,13 +70,18 @@ def _revision() -> str:
         return "unknown"
 
 
-def write_parameters(folder: Path, scene: Scene, program: dict) -> None:
-    """Write run.toml of a silo: every parameter as used, and what computed it."""
+def parameters(scene: Scene) -> dict:
+    """Every parameter of a silo as used, in the tables of run.toml."""
     tables = scene.model_dump(exclude_none=True)
     if scene.walls.kind == "smooth":
         tables["walls"]["friction_angle_deg"] = scene.wall_friction_angle_deg
     tables["averaging"]["characteristic_length_m"] = scene.averaging.length_m(scene.sand)
-    write_tables(folder, tables, program)
+    return tables
+
+
+def write_parameters(folder: Path, scene: Scene, program: dict) -> None:
+    """Write run.toml of a silo, and what computed it."""
+    write_tables(folder, parameters(scene), program)
 
 
 def write_tables(folder: Path, tables: dict, program: dict) -> None:
@@ -94,8 +99,8 @@ def write_tables(folder: Path, tables: dict, program: dict) -> None:
     temporary.replace(folder / MADE)
 
 
-def read_scene(file: Path) -> Scene:
-    """The scene of a run.toml.
+def read_scene(file: Path, threads: int | None = None) -> Scene:
+    """The scene of a run.toml; on so many threads, if they are given.
 
     Raises
     ------
@@ -106,8 +111,10 @@ def read_scene(file: Path) -> Scene:
     try:
         tables = tomllib.loads(Path(file).read_text())
         tables.pop("program", None)
+        if threads is not None:
+            tables["machine"] = tables.get("machine", {}) | {"threads": threads}
         return Scene.model_validate(tables)
     except ValidationError as error:
         raise BadInput(f"{file}: {one_sentence(error)}") from error
-    except (OSError, tomllib.TOMLDecodeError) as error:
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise BadInput(f"{file} cannot be read as a scene: {error}") from error
