@@ -20,6 +20,7 @@ from taichi_silo.batch.runs import Run, costs, simulate
 from taichi_silo.cost import START_S
 from taichi_silo.faults import BadInput, RunFailed
 from taichi_silo.fidelity import fidelity as named
+from taichi_silo.folder import writable
 from taichi_silo.plots import plot_batch
 from taichi_silo.scene import cores
 from taichi_silo.settings import changed
@@ -57,13 +58,11 @@ def batch(
     for run in () if overwrite else runs.values():
         run.check()
     missing = {name: run for name, run in runs.items() if overwrite or not run.finished}
+    if not estimate:
+        writable(folder)
     expected = tell(runs, missing, jobs)
     if estimate:
         return
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BadInput(f"output {output} cannot be written: {error.strerror or error}") from error
     paths, failures = variations.differences(scenes, varied), {}
 
     def leave(name: str, trouble: str) -> None:

@@ -21,6 +21,31 @@ PRODUCTS = (
 )  # fmt: skip
 
 
+def writable(folder: Path) -> Path:
+    """The folder, made and proved writable.
+
+    Raises
+    ------
+    BadInput
+        if it cannot be written; nothing is left of it then.
+
+    """
+    folder = folder.expanduser()
+    made = []
+    try:
+        made = [parent for parent in (folder, *folder.parents) if not parent.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".probe"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        for parent in made:
+            if parent.is_dir() and not any(parent.iterdir()):
+                parent.rmdir()
+        raise BadInput(f"output {folder} cannot be written: {error.strerror or error}") from error
+    return folder
+
+
 def claim(folder: Path, overwrite: bool = False) -> Path:
     """The folder, made, proved writable, and free of an earlier run.
 
@@ -30,23 +55,14 @@ def claim(folder: Path, overwrite: bool = False) -> Path:
         if it cannot be written, or holds a run and `overwrite` is false.
 
     """
-    folder = folder.expanduser()
-    made = []
+    folder = writable(folder)
+    if (folder / MADE).exists() and not overwrite:
+        raise BadInput(f"output {folder} holds a run already; give another folder, or --overwrite to replace it")
     try:
-        if (folder / MADE).exists() and not overwrite:
-            raise BadInput(f"output {folder} holds a run already; give another folder, or --overwrite to replace it")
-        made = [parent for parent in (folder, *folder.parents) if not parent.exists()]
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / ".probe"
-        probe.touch()
-        probe.unlink()
         for pattern in PRODUCTS:
             for old in folder.glob(pattern):
                 old.unlink()
     except OSError as error:
-        for parent in made:
-            if parent.is_dir() and not any(parent.iterdir()):
-                parent.rmdir()
         raise BadInput(f"output {folder} cannot be written: {error.strerror or error}") from error
     return folder
 

@@ -145,6 +145,7 @@ class Processes:
 def given() -> str:
     """The line that a task was given; from now on the end of its input interrupts it."""
     line = sys.stdin.readline()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a parent in the background may ignore it
 
     def watch() -> None:
         while os.read(sys.stdin.fileno(), 1):  # past Python's own buffer, which a waiting thread would lock

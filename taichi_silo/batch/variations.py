@@ -18,7 +18,7 @@ SAND = "sand"  # a path of its own: all constants of a sand by its name
 DEFAULT = "default"  # the word for what a scene has without being told
 MOST_RUNS = 10_000
 REFUSED = {
-    "sand.name": "it is only a label, a sand with its constants is chosen by sand=NAME,...",
+    "sand.name": "it is only a label, a sand with its constants is chosen by sand=NAME",
     "machine.threads": "each run of a batch has one thread",
 }
 UNITS = re.compile(r"_(m_per_s2?|kg_per_m3|deg|Pa|m|s)$")
