@@ -14,6 +14,7 @@ from typer import Option
 from taichi_silo import Flow, Machine, Mesh, Method, Scene, Walls, cli, sands
 from taichi_silo.batch.runs import Run, simulate
 from taichi_silo.faults import RunFailed
+from taichi_silo.folder import writable
 from taichi_silo.plots import plot_cases
 from taichi_silo.scene import cores
 
@@ -52,6 +53,7 @@ def four_cases(
     missing = {name: run for name, run in runs.items() if not run.finished}
     for name in (name for name in runs if name not in missing):
         print(f"{name:20s} kept", flush=True)
+    writable(output)
     failures = simulate(missing, min(len(CASES), cores()), lambda words: print(words, flush=True))
     for name, why in failures.items():
         raise RunFailed(f"in the case '{name}': {why}")

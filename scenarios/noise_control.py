@@ -17,6 +17,7 @@ from typer import Option
 from taichi_silo import Flow, Machine, Mesh, Method, Scene, Walls, cli, sands
 from taichi_silo.batch.runs import Run, simulate
 from taichi_silo.faults import RunFailed
+from taichi_silo.folder import writable
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.plots.style import new_figure
 from taichi_silo.scene import cores
@@ -37,6 +38,7 @@ def noise_control(
     output: Annotated[Path, Option(help="folder; one subfolder a run")] = Path("outputs/noise_control"),
 ):
     """Compare the wall force with and without noise control."""
+    output = output.expanduser()
     runs = {
         name: Run(
             Scene(
@@ -51,6 +53,7 @@ def noise_control(
         )
         for name in ("none", "column")
     }
+    writable(output)
     failures = simulate(runs, min(2, cores()), lambda words: print(words, flush=True))
     for name, why in failures.items():
         raise RunFailed(f"with noise control '{name}': {why}")

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from taichi_silo import runtime
 from taichi_silo.cost import START_S, Cost, at_pace, rehearse
 from taichi_silo.faults import BadInput
 from taichi_silo.folder import MADE, parameters, read_scene
@@ -54,17 +53,24 @@ def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
     """What the missing runs will cost, at the pace of finished ones with the same formulas or of a rehearsal.
 
     Starts Taichi.
+
+    Raises
+    ------
+    BadInput
+        if a processor cannot be used.
+
     """
     paces, found = {}, {}
     for run in runs.values():
         cost = run.summary.get("cost", {}) if run.finished else {}
         if cost.get("steps"):
             paces.setdefault(_formulas(run.scene), []).append(cost["seconds"] / (cost["points"] * cost["steps"]))
-    runtime.init()
+    for machine in {runs[name].scene.machine for name in missing}:
+        machine.start()
     for name in sorted(missing, key=lambda name: runs[name].scene.points):
         scene = runs[name].scene
         if _formulas(scene) not in paces:
-            runtime.init()
+            scene.machine.start()
             paces[_formulas(scene)] = [rehearse(Simulation(scene)) / scene.points]
         found[name] = at_pace(scene, statistics.median(paces[_formulas(scene)]))
     return found
@@ -73,7 +79,8 @@ def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
 def _formulas(scene: Scene) -> tuple:
     """What decides over the seconds of a point and step."""
     method, grid = scene.method, scene.grid
-    return scene.sand.law, grid.shape, grid.points_per_cell, method.transfer, method.stress_update, method.stress_filter
+    variant = (method.transfer, method.stress_update, method.stress_filter)
+    return scene.machine.arch, scene.machine.lanes, scene.sand.law, grid.shape, grid.points_per_cell, *variant
 
 
 def simulate(

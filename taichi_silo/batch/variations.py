@@ -17,6 +17,7 @@ from taichi_silo.table import one_sentence
 SAND = "sand"  # a path of its own: all constants of a sand by its name
 DEFAULT = "default"  # the word for what a scene has without being told
 MOST_RUNS = 10_000
+LONGEST_NAME = 200  # of a folder; file systems take 255
 REFUSED = {
     "sand.name": "it is only a label, a sand with its constants is chosen by sand=NAME",
     "machine.threads": "each run of a batch has one thread",
@@ -82,7 +83,7 @@ def scenes(base: dict[str, Scene], variations: list[Variation]) -> dict[str, Sce
     Raises
     ------
     BadInput
-        if a combination is not possible, a path is varied twice, or there are more than `MOST_RUNS`.
+        if a combination is not possible, a path is varied twice, a name is too long, or the runs are too many.
 
     """
     paths = [one.path for one in variations]
@@ -99,6 +100,8 @@ def scenes(base: dict[str, Scene], variations: list[Variation]) -> dict[str, Sce
         for words in itertools.product(*(one.words for one in variations)):
             setting = dict(zip(paths, words, strict=True))
             name = _name(start, setting)
+            if len(name) > LONGEST_NAME:
+                raise BadInput(f"folder {name} has {len(name)} letters; at most {LONGEST_NAME} are allowed, vary less")
             if name in found:
                 raise BadInput(f"two runs would be called {name}; give their files other names")
             found[name] = _scene(scene, setting, start)

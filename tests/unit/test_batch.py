@@ -89,6 +89,7 @@ def test_columns_are_what_was_asked_for_and_what_differs(tmp_path):
         (["sand=hostun", "sand.void_ratio=dense"], "void ratio is dense; it must be a number"),
         (["silo.width_m=0.2,0.333"], "silo.width_m=0.333: cell size is 0.005 m; it must divide the width of 0.333 m"),
         ([f"sand.{name}=" + ",".join(map(str, range(30))) for name in ("n", "alpha", "beta")], "make 27000 runs"),
+        (["sand=" + "a" * 300 + ".toml"], "at most 200 are allowed"),
     ],
 )
 def test_what_is_not_possible_is_refused_by_path_and_value(texts, sentence):
