@@ -7,8 +7,6 @@ gives with the sand's own pressure ratio at rest. With a drag towards the recent
 Cost: about two minutes on two cores.
 """
 
-import os
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Annotated
 
@@ -16,9 +14,13 @@ import pandas as pd
 from matplotlib.figure import Figure
 from typer import Option
 
-from taichi_silo import Flow, Machine, Mesh, Method, Scene, Walls, cli, run, sands
+from taichi_silo import Flow, Machine, Mesh, Method, Scene, Walls, cli, sands
+from taichi_silo.batch.runs import Run, simulate
+from taichi_silo.faults import RunFailed
+from taichi_silo.folder import writable
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.plots.style import new_figure
+from taichi_silo.scene import cores
 from taichi_silo.theory.janssen import Janssen
 
 COLORS = {"none": "#D55E00", "column": "#0072B2"}
@@ -36,26 +38,28 @@ def noise_control(
     output: Annotated[Path, Option(help="folder; one subfolder a run")] = Path("outputs/noise_control"),
 ):
     """Compare the wall force with and without noise control."""
-    scenes = {
-        name: Scene(
-            sand=sands.sand(sand, void_ratio),
-            walls=Walls(kind="smooth"),
-            grid=Mesh(cell_size_m=cell_size, shape=shape),
-            flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
-            method=Method(noise_control=name, **method),
-            machine=Machine(threads=1),
+    output = output.expanduser()
+    runs = {
+        name: Run(
+            Scene(
+                sand=sands.sand(sand, void_ratio),
+                walls=Walls(kind="smooth"),
+                grid=Mesh(cell_size_m=cell_size, shape=shape),
+                flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
+                method=Method(noise_control=name, **method),
+                machine=Machine(threads=1),
+            ),
+            output / name,
         )
         for name in ("none", "column")
     }
-    with ProcessPoolExecutor(max(1, min(2, os.cpu_count() or 1))) as workers:
-        folders = dict(zip(scenes, workers.map(_run, scenes.values(), [output / n for n in scenes]), strict=True))
-    figure = draw({name: pd.read_csv(folder / "forces.csv") for name, folder in folders.items()}, scenes["none"])
+    writable(output)
+    failures = simulate(runs, min(2, cores()), lambda words: print(words, flush=True))
+    for name, why in failures.items():
+        raise RunFailed(f"with noise control '{name}': {why}")
+    figure = draw({name: pd.read_csv(run.folder / "forces.csv") for name, run in runs.items()}, runs["none"].scene)
     figure.savefig(output / "noise_control.png", dpi=150)
     print(output / "noise_control.png")
-
-
-def _run(scene: Scene, folder: Path) -> Path:
-    return run(scene, folder, overwrite=True, film=False)
 
 
 def draw(histories: dict[str, pd.DataFrame], scene: Scene) -> Figure:

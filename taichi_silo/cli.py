@@ -84,13 +84,6 @@ def with_method_flags(function: Callable) -> Callable:
     return spread
 
 
-def flags_of(method: dict) -> dict[str, object]:
-    """The flags that a scenario was given for the method, to hand on to another."""
-    names = {"stress_filter": "filter", "time_step_s": "time_step"}
-    given = {names.get(name, name): value for name, value in method.items() if value is not None}
-    return {f"--{name.replace('_', '-')}": value for name, value in given.items()}
-
-
 def _seconds(word: str) -> float | None:
     if word == "auto":
         return None

@@ -34,6 +34,7 @@ SHARPER = 0.12  # growth of the latter with each halving of the cells: shear zon
 SHARPNESS = (0.85, 1.17)  # where that growth begins and ends
 RESOLVED = 1.38  # factor of the latter where several points share a cell
 REHEARSED_S = 0.4  # of stepping
+START_S = 6.0  # of a process: Taichi's start and the compilation of the step
 
 
 @dataclass(frozen=True)
@@ -129,6 +130,12 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
     memory.fill(0.0)
     simulation.solver.books.take()
     return found
+
+
+def at_pace(scene: Scene, seconds: float) -> Cost:
+    """The cost of a run at a known pace, in seconds of one core for a point and step; Taichi has been started."""
+    number = steps(scene)
+    return Cost(scene.points, number, seconds * scene.points * number)
 
 
 def predict(simulation: Simulation) -> Cost:

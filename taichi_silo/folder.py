@@ -22,6 +22,31 @@ PRODUCTS = (
 )  # fmt: skip
 
 
+def writable(folder: Path) -> Path:
+    """The folder, made and proved writable.
+
+    Raises
+    ------
+    BadInput
+        if it cannot be written; nothing is left of it then.
+
+    """
+    folder = folder.expanduser()
+    made = []
+    try:
+        made = [parent for parent in (folder, *folder.parents) if not parent.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".probe"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        for parent in made:
+            if parent.is_dir() and not any(parent.iterdir()):
+                parent.rmdir()
+        raise BadInput(f"output {folder} cannot be written: {error.strerror or error}") from error
+    return folder
+
+
 def claim(folder: Path, overwrite: bool = False) -> Path:
     """The folder, made, proved writable, and free of an earlier run.
 
@@ -31,23 +56,14 @@ def claim(folder: Path, overwrite: bool = False) -> Path:
         if it cannot be written, or holds a run and `overwrite` is false.
 
     """
-    folder = folder.expanduser()
-    made = []
+    folder = writable(folder)
+    if (folder / MADE).exists() and not overwrite:
+        raise BadInput(f"output {folder} holds a run already; give another folder, or --overwrite to replace it")
     try:
-        if (folder / MADE).exists() and not overwrite:
-            raise BadInput(f"output {folder} holds a run already; give another folder, or --overwrite to replace it")
-        made = [parent for parent in (folder, *folder.parents) if not parent.exists()]
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / ".probe"
-        probe.touch()
-        probe.unlink()
         for pattern in PRODUCTS:
             for old in folder.glob(pattern):
                 old.unlink()
     except OSError as error:
-        for parent in made:
-            if parent.is_dir() and not any(parent.iterdir()):
-                parent.rmdir()
         raise BadInput(f"output {folder} cannot be written: {error.strerror or error}") from error
     return folder
 
@@ -71,15 +87,20 @@ def _revision() -> str:
         return "unknown"
 
 
-def write_parameters(folder: Path, scene: Scene, program: dict) -> None:
-    """Write run.toml of a silo: every parameter as used, and what computed it."""
+def parameters(scene: Scene) -> dict:
+    """Every parameter of a silo as used, in the tables of run.toml."""
     tables = scene.model_dump(exclude_none=True)
     if scene.walls.kind == "smooth":
         tables["walls"]["friction_angle_deg"] = scene.wall_friction_angle_deg
     tables["sand"]["law"] = scene.sand.law_for(scene.flow.TURNS_BACK)
     tables["silo"]["half"] = "yes" if half_model(scene)[0] else "no"
     tables["averaging"]["characteristic_length_m"] = scene.averaging.length_m(scene.sand)
-    write_tables(folder, tables, program)
+    return tables
+
+
+def write_parameters(folder: Path, scene: Scene, program: dict) -> None:
+    """Write run.toml of a silo, and what computed it."""
+    write_tables(folder, parameters(scene), program)
 
 
 def write_tables(folder: Path, tables: dict, program: dict) -> None:
@@ -97,8 +118,8 @@ def write_tables(folder: Path, tables: dict, program: dict) -> None:
     temporary.replace(folder / MADE)
 
 
-def read_scene(file: Path) -> Scene:
-    """The scene of a run.toml.
+def read_scene(file: Path, threads: int | None = None) -> Scene:
+    """The scene of a run.toml; on so many threads, if they are given.
 
     Raises
     ------
@@ -109,8 +130,10 @@ def read_scene(file: Path) -> Scene:
     try:
         tables = tomllib.loads(Path(file).read_text())
         tables.pop("program", None)
+        if threads is not None:
+            tables["machine"] = tables.get("machine", {}) | {"threads": threads}
         return Scene.model_validate(tables)
     except ValidationError as error:
         raise BadInput(f"{file}: {one_sentence(error)}") from error
-    except (OSError, tomllib.TOMLDecodeError) as error:
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise BadInput(f"{file} cannot be read as a scene: {error}") from error

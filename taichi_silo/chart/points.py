@@ -25,6 +25,7 @@ from taichi_silo.measure.shear_zones import wall_zone_thickness_m
 from taichi_silo.observers import Observer
 from taichi_silo.observers.guard import Guard
 from taichi_silo.observers.watch import Watch
+from taichi_silo.processes import given
 from taichi_silo.scene import Machine, Scene
 from taichi_silo.settings import OUTSIDE, changed
 from taichi_silo.simulation import Simulation
@@ -187,7 +188,7 @@ def leave(one: Point, folder: Path) -> None:
 
 if __name__ == "__main__":
     try:
-        wanted = Point.model_validate_json(sys.stdin.readline())
+        wanted = Point.model_validate_json(given())
         runtime.init(wanted.scene.machine.arch, wanted.scene.machine.threads)
         leave(wanted, Path(sys.argv[1]))
     except KeyboardInterrupt:

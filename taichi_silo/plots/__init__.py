@@ -8,6 +8,7 @@ from pathlib import Path
 
 from matplotlib import rc_context
 
+from taichi_silo.plots.batch import batch_figure
 from taichi_silo.plots.forces import (
     case_angles_figure,
     case_forces_figure,
@@ -19,7 +20,7 @@ from taichi_silo.plots.style import STYLE
 from taichi_silo.plots.void_ratio import case_void_ratio_figure, run_void_ratio_figure
 from taichi_silo.plots.wall_stress import case_wall_stress_figure, run_wall_stress_figure
 
-__all__ = ["plot_cases", "plot_run"]
+__all__ = ["plot_batch", "plot_cases", "plot_run"]
 
 RUN_FIGURES = {
     "forces": run_forces_figure,
@@ -58,6 +59,19 @@ def plot_cases(folders: dict[str, Path], target: Path) -> list[Path]:
     """
     runs = [RunFiles.read(folder, label) for label, folder in folders.items()]
     return _draw(CASE_FIGURES, runs, Path(target))
+
+
+def plot_batch(folders: dict[str, Path], target: Path) -> list[Path]:
+    """Draw P, T and N of many runs into one figure and return the path written, if there was anything to draw.
+
+    Parameters
+    ----------
+    folders : dict
+        The runs' folders by their names.
+    target : Path
+        Folder of the figure.
+    """
+    return _draw({"batch": batch_figure}, [RunFiles.read(folder, name) for name, folder in folders.items()], target)
 
 
 def _draw(figures, data, target: Path) -> list[Path]:

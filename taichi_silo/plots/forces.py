@@ -49,7 +49,7 @@ def run_forces_figure(run):
         if run.wall_kind != "very-rough":
             _janssen_line(panel, run, name)
         panel.set_ylabel(FORCES[name])
-        _x_axis(panel, [run])
+        x_axis(panel, [run])
         start_at_zero([panel], "y")
     origin = "T, N: mean of both walls"
     if run.filled is not None:
@@ -68,7 +68,7 @@ def run_angle_figure(run):
     _curve(panel, run, angle, BLUE, "median", raw_label="every row")
     _reference_angle(panel, run)
     panel.set(ylabel=ANGLE, title=f"Mobilised wall friction: {run.title}")
-    _x_axis(panel, [run])
+    x_axis(panel, [run])
     start_at_zero([panel], "y")
     _legend_below(figure, panel, columns=2)
     return figure
@@ -92,7 +92,7 @@ def case_forces_figure(runs):
                 panel.set_ylabel(label)
         panels[0, column].set_title(_group_title(column, group))
         _legend_under(panels[2, column])
-        _x_axis(panels[2, column], group)
+        x_axis(panels[2, column], group)
     for row in panels:
         start_at_zero(row, "y")
     figure.suptitle("Forces per metre run\nT, N: mean of both walls; marker: end of filling")
@@ -114,7 +114,7 @@ def case_angles_figure(runs):
             panel.set_ylabel(ANGLE)
         panel.set_title(_group_title(column, group))
         _legend_under(panel)
-        _x_axis(panel, group)
+        x_axis(panel, group)
     start_at_zero(panels, "y")
     figure.suptitle("Mobilised wall friction (marker: end of filling)")
     return figure
@@ -139,7 +139,7 @@ def _curve(panel, run, quantity, color, label, raw_label=None):
     x = 1e3 * rows["displacement_m"] if flowing else rows["time_s"]
     y = pd.Series(quantity(rows), index=rows.index)
     panel.plot(x, y, color=color, alpha=0.35, linewidth=0.6, label=raw_label)
-    panel.plot(x, _running_median(x, y), color=color, label=_median_label(label, x) if raw_label else label)
+    panel.plot(x, running_median(x, y), color=color, label=_median_label(label, x) if raw_label else label)
     if run.filled is not None:
         at_rest = 0.0 if flowing else x.iloc[-1]
         panel.plot(
@@ -165,7 +165,7 @@ def _each_wall(panel, run, name: str, color):
         return
     x = 1e3 * rows["displacement_m"]
     for (wall, y), line in zip(walls.items(), ("-.", ":"), strict=True):
-        median = _running_median(x, y)
+        median = running_median(x, y)
         few = slice(None, None, 1 + len(x) // 200)  # dots and dashes need a line without jitter
         panel.plot(x[few], median[few], color=color, linestyle=line, linewidth=1.8, label=f"{wall} wall")
 
@@ -178,7 +178,7 @@ def _median_label(label: str, x) -> str:
     return f"{label} over {_window(x):.2g} {'mm' if x.name == 'displacement_m' else 's'}"
 
 
-def _running_median(x, y) -> pd.Series:
+def running_median(x, y) -> pd.Series:
     """Return the running median over a centred window of constant width in x, which narrows at the start.
 
     A one-sided window would hide the steep change of the forces as the bottom begins to move.
@@ -219,7 +219,8 @@ def _reference_line(panel, value: float, line: str, label: str):
     panel.axhline(value, color=REFERENCE, linestyle=line, linewidth=1.6, zorder=3.5, label=label)
 
 
-def _x_axis(panel, group):
+def x_axis(panel, group):
+    """Label the axis that runs share: the bottom displacement, or the time while none of them has flowed."""
     if all(run.flow.empty for run in group):
         panel.set_xlabel("time while filling (s)")
         panel.set_xlim(left=0.0)

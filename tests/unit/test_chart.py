@@ -21,6 +21,7 @@ from taichi_silo.chart.front import front
 from taichi_silo.faults import BadInput
 from taichi_silo.fidelity import fidelities, fidelity
 from taichi_silo.plots.chart import error_figure, speed_figure
+from taichi_silo.processes import Processes
 from taichi_silo.scene import Scene
 from taichi_silo.settings import changed, known, value
 
@@ -178,12 +179,13 @@ def test_only_what_is_missing_or_broken_is_run_again(tmp_path, monkeypatch):
     (tmp_path / f"{keys[-2]}.json").write_text('{"format": 1, "cur')
     begun = []
 
-    def one(self, point, name):
-        begun.append(point.key)
-        (self.folder / f"{point.key}.json").write_text(json.dumps(made_up()))
+    def one(self, task):
+        key = points.Point.model_validate_json(task.line).key
+        begun.append(key)
+        (tmp_path / f"{key}.json").write_text(json.dumps(made_up()))
         return ""
 
-    monkeypatch.setattr(workers.Workers, "_one", one)
+    monkeypatch.setattr(Processes, "_one", one)
     costs = dict.fromkeys(keys, workers.Cost(1, 1, 1.0))
     for expected in (set(keys[-2:]), set()):
         begun.clear()

@@ -6,7 +6,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
-    ["runtime", "maths", "tensors", "faults", "barrier"],
+    ["runtime", "maths", "tensors", "faults", "barrier", "processes"],
     ["grid", "particles", "noise", "geometry", "table"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
@@ -22,7 +22,7 @@ LAYERS = [
     ["plots"],
     ["biaxial"],
     ["observers", "parts"],
-    ["run", "chart"],
+    ["run", "batch", "chart"],
     ["cli", "__init__"],
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
