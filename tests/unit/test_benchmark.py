@@ -2,6 +2,10 @@
 
 from contextlib import nullcontext
 
+import pandas as pd
+
+from benchmarks import bench
+from benchmarks.figure import draw
 from benchmarks.parts import markdown, row, standard, trials
 from benchmarks.phases import Neighbours, Phases
 from taichi_silo.averaging import Gaussian, NonLocal
@@ -36,3 +40,26 @@ def test_every_trial_of_a_part_changes_the_scene_or_how_it_is_compiled():
 def test_the_table_has_a_line_for_each_row_and_signs_its_percents():
     lines = markdown([row("smooth", "half model", "put in", -0.5, (0.0, 1e-3, -0.02))]).splitlines()
     assert lines[2] == "| smooth | half model | put in | -50 % | 0 | +0.10 % | -2.00 % |"
+
+
+def table(ratio, other):
+    """Two lines of a benchmark, at shares of a yardstick of 1e7 point-steps a second."""
+    return pd.DataFrame([
+        bench.row((4000, 1, 1), "step", 4000 / (ratio * 1e7), 1e7),
+        bench.row((4000, 1, 1), "law", 4000 / (other * 1e7), 1e7),
+    ], columns=bench.COLUMNS)  # fmt: skip
+
+
+def test_only_what_lost_more_than_a_tenth_beside_the_yardstick_is_named():
+    assert bench.slower(table(0.95, 0.95), table(1.0, 1.0)) == []
+    assert bench.slower(table(1.5, 0.8), table(1.0, 1.0)) == [
+        "4000 points, 1 a cell, 1 thread(s), law: 0.80 of the yardstick, it was 1.00"
+    ]
+
+
+def test_the_figure_is_drawn_with_and_without_a_yardstick(tmp_path):
+    roof = {"arithmetic": 2e10, "cache": 1e11, "memory": 1e10}
+    draw(table(1.0, 1.0), roof, tmp_path / "with.png")
+    draw(table(1.0, 1.0).assign(yardstick_ratio=None), roof, tmp_path / "without.png")
+    assert (tmp_path / "with.png").stat().st_size > 10_000
+    assert (tmp_path / "without.png").exists()
