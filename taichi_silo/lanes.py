@@ -202,7 +202,7 @@ class Lanes:
         c00, c01, c02 = nothing, nothing, nothing
         c10, c11, c12 = nothing, nothing, nothing
         c20, c21, c22 = nothing, nothing, nothing
-        at, columns = -1, self.grid.columns
+        at, columns = -2, self.grid.columns  # nothing has been collected yet, and node 0 does not follow it
         for g in range(begin, end):
             given = gifts(self.particles, self.grid, self.solver.setting, points, g, t)
             for patch in ti.static(range(self.shape.PATCHES)):
@@ -210,7 +210,7 @@ class Lanes:
                 lowest, highest = ti.min(lowest, j), ti.max(highest, j)
                 first = j * columns + i
                 for lane in range(LANES):
-                    k = strip * self.grid.nodes + ti.cast(first[lane], ti.i32)
+                    k = strip * self.grid.nodes + self.within(first[lane])
                     v = eight(
                         given[0][lane], given[1][lane], given[2][lane], given[3][lane], given[4][lane], given[5][lane],
                         given[6][lane], given[7][lane],
@@ -250,6 +250,12 @@ class Lanes:
         self.flush(sums, at, c00, c01, c02, c10, c11, c12, c20, c21, c22)
         self.reach[strip, 0] = ti.cast(0.0 - greatest(0.0 - lowest), ti.i32)
         self.reach[strip, 1] = ti.cast(greatest(highest), ti.i32) + self.shape.NODES - 1
+
+    @ti.func
+    def within(self, first):
+        """Number of the first node of a patch; one of the grid's even where the place of a point is no number."""
+        span = ti.static((self.shape.NODES - 1) * (self.grid.columns + 1))
+        return ti.max(0, ti.min(ti.cast(first, ti.i32), self.grid.nodes - 1 - span))
 
     @ti.func
     def flush(self, sums: ti.template(), k, c00, c01, c02, c10, c11, c12, c20, c21, c22):
@@ -310,7 +316,7 @@ class Lanes:
             i, sx, gx, j, sy, gy = weights(self.particles, self.grid, self.shape, points, g, t, patch)
             first = j * self.grid.columns + i
             for lane in range(LANES):
-                k = ti.cast(first[lane], ti.i32)
+                k = self.within(first[lane])
                 total = eight(0.0)
                 for b in ti.static(range(self.shape.NODES)):
                     row = eight(0.0)

@@ -147,6 +147,17 @@ def test_the_order_of_the_points_changes_nothing_but_round_off(monkeypatch):
         assert np.abs(field - shuffled[0][name]).max() <= 1e-12 * np.abs(field).max(), name
 
 
+@pytest.mark.parametrize("place", [np.nan, np.inf, -np.inf, 1e300, -1e9])
+def test_points_that_are_nowhere_are_counted_and_touch_no_memory_of_others(place):
+    runtime.init()
+    silo = Simulation(Scene(silo=Silo(half="no"), grid=Mesh(cell_size_m=0.1)), lanes=True)
+    arrays = silo.particles.arrays()
+    arrays["position"][[0, 5]] = place
+    silo.particles.load(arrays)
+    silo.solver.advance(3, 1e-6, gravity=(9.81, 9.81))
+    assert silo.solver.survey().strays >= 2
+
+
 def test_what_lanes_cannot_do_is_done_by_the_plain_loop_and_refused_if_asked_for(monkeypatch):
     method = Method(transfer="apic")
     after(False, 1, monkeypatch=monkeypatch, method=method)
