@@ -5,7 +5,7 @@ run time, so that one source serves a GPU thread, a stress point and a group of 
 which ask for the `greatest` lane.
 
 In a kernel over lanes (see `lanes.py`) a power and an exponential are polynomials, because the processor's vector unit
-has neither: within 3e-15 of the library's. There a base counts as at most 128, and one below 1e-18 as 0.
+has neither: within 3e-15 of the library's. There a base counts as at most 32768, and one below 1e-18 as 0.
 """
 
 import functools
@@ -18,7 +18,7 @@ from taichi_silo.runtime import wide
 
 ROOT2 = math.sqrt(2.0)
 UPPER = 2.0**0.25  # a base is brought to 2**-1/4 ... 2**1/4 by powers of two and a root of two
-DOWN, UP = (32, 16, 8, 4, 2, 1), (4, 2, 1)  # exponents of those powers
+DOWN, UP = (32, 16, 8, 4, 2, 1), (8, 4, 2, 1)  # exponents of those powers
 SQUARINGS = 4  # of exp(-x / 16)
 LARGEST_DECAY = 8.0  # exp(-x) is taken at most there
 
@@ -73,7 +73,7 @@ def polynomial(c: ti.template(), x):
 @ti.func
 def power_of_lanes(base, exponent: ti.template()):
     """base**exponent by peeling off powers of two."""
-    rest, factor = ti.min(base, 128.0), 0.0 * base + 1.0
+    rest, factor = ti.min(base, 32768.0), 0.0 * base + 1.0
     for k in ti.static(UP):
         above = rest > UPPER * 2.0 ** (k - 1)
         rest = ti.select(above, rest * 2.0**-k, rest)

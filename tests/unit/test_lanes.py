@@ -60,7 +60,7 @@ def formulas(a, b, c, d, e, f, g, h):
         rate[0], rate[3], held[0], drawn[1], turned[1], law.stiffness(stress, e), weighed,
         reversed_rate[1], growth_of_memory[3], memory.stiffness(stress, e),
         at_once[0], at_once[3], at_once[8],
-        power(1e-7 * e, 0.3), power(3.0 * e, 2.5), power(40.0 * e, 0.13), exp_minus(3.0 * e),
+        power(1e-7 * e, 0.3), power(3.0 * e, 2.5), power(2e4 * e, 0.13), exp_minus(3.0 * e),
     )
 
 COUNT = 17
