@@ -1,9 +1,9 @@
-"""What one point gives to its nodes, what one node does with it, and what point takes back.
+"""What one point gives to its nodes, what one node does with it, and what the point takes back.
 
-Formulas only; the loops over points and nodes, and their order, are in loops.py and lanes.py, who share all that has
-no `lanes` of its own to offer: a function with an argument `lanes` works on a point p of the fields, or on the eight
-points of group p (see `Particles.read`). `t` is the number of the thread: which copy of the sums and of the grid's
-height it uses. `shared` says that other threads add to the same copy.
+Formulas only; the loops over points and nodes are in loops.py and lanes.py, the order of the phases in solver.py. A
+function with an argument `lanes` works on point p of the fields, or, in a kernel over lanes, on the eight points of
+group p (see `Particles.read`); the others are of the plain loop. `t` is the number of the thread: which copy of the
+sums and of the grid's height it uses. `shared` says that other threads add to the same copy.
 
 Between a point and a node stand eight slots, each a sum of a value times a weight:
 

@@ -56,27 +56,17 @@ class Blend:
 
 
 @dataclass(frozen=True)
-class Enhanced:
+class Enhanced(Flip):
     """FLIP, whose points give the nodes their velocity gradient as well (Wallstedt and Guilkey 2007)."""
 
-    GRADIENT, ECHO = "strain", False
-
-    @ti.func
-    def carried(self, old, grid, change, echo, dt):
-        """As FLIP."""
-        return old + change
+    GRADIENT = "strain"
 
 
 @dataclass(frozen=True)
-class Apic:
+class Apic(Pic):
     """PIC with an affine velocity field in each point (Jiang et al. 2015): keeps angular momentum."""
 
-    GRADIENT, ECHO = "affine", False
-
-    @ti.func
-    def carried(self, old, grid, change, echo, dt):
-        """Velocity of the grid."""
-        return grid
+    GRADIENT = "affine"
 
 
 @dataclass(frozen=True)
