@@ -52,7 +52,7 @@ METHOD = [
     dial("noise control", "method.noise_control", "column", "none"),
     dial("precision", "precision", "f64", "mixed", "f32"),
     dial("law", "sand.law", "gudehus-bauer", "intergranular"),
-    dial("half model", "silo.half", False, True),
+    dial("half model", "silo.half", "no", "yes"),
 ]
 
 

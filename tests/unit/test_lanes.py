@@ -14,6 +14,7 @@ from taichi_silo.scene import Averaging, Flow, Mesh, Method, Sand, Scene, Silo, 
 from taichi_silo.simulation import Simulation
 from taichi_silo.solver import Solver
 
+LANES = True  # see conftest.py
 SCRIPT = """
 import numpy as np
 import taichi_silo
@@ -25,8 +26,6 @@ from taichi_silo.maths import exp_minus, power
 from taichi_silo.runtime import eight, ti
 from taichi_silo.shapes import SHAPES
 from taichi_silo.tensors import norm, spun
-
-LANES = True  # see conftest.py
 
 runtime.init()
 law = GudehusBauer(beta=1.05)
