@@ -32,9 +32,12 @@ def _phases(axes, table: pd.DataFrame) -> None:
         height = [_cost(alone[(alone.points == n) & (alone.points_per_cell == c)], phase) for n, c in sizes]
         axes.bar(range(len(sizes)), height, bottom=bottom, color=color, label=phase)
         bottom += np.nan_to_num(height)
-    axes.set_xticks(range(len(sizes)), [f"{n / 1e3:.0f}k\n{c} a cell" for n, c in sizes])
-    axes.set(ylabel="ns a point and step, one thread", title="Phases of the step")
-    axes.legend(frameon=False, fontsize="small")
+    axes.set_xticks(range(len(sizes)), [f"{n / 1e3:.0f}k\n{c}" for n, c in sizes])
+    axes.set(
+        xlabel="points, and points a cell", ylabel="ns a point and step, one thread", title="Phases of the step",
+        ylim=(0.0, 1.5 * bottom.max()),
+    )  # fmt: skip
+    axes.legend(frameon=False, fontsize="small", loc="upper left", ncols=2)
 
 
 def _cost(rows: pd.DataFrame, phase: str) -> float:
@@ -55,6 +58,9 @@ def _ratios(axes, table: pd.DataFrame) -> None:
         )  # fmt: skip
     axes.axhline(0.8, color="0.6", linewidth=0.8)
     axes.set(xscale="log", xlabel="points", ylabel="speed over the yardstick's", title="Beside C++", ylim=(0.0, None))
+    sizes = sorted({round(points, -3) for points in steps.points})
+    axes.set_xticks(sizes, [f"{points / 1e3:.0f}k" for points in sizes])
+    axes.minorticks_off()
     if not steps.empty:
         axes.legend(frameon=False, fontsize="small")
 
