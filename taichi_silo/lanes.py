@@ -14,7 +14,8 @@ import taichi as ti
 
 from taichi_silo.grid import MARGIN
 from taichi_silo.maths import greatest
-from taichi_silo.phases import gifts, motion_of_node, weights
+from taichi_silo.nodes import motion_of_node
+from taichi_silo.phases import gifts, weights
 from taichi_silo.runtime import LANES, compiling_wide, eight, is_cpu, real
 
 STRIPS = 2  # or as many as threads, if they are more

@@ -14,8 +14,7 @@ from taichi_silo.grid import MARGIN, Grid
 from taichi_silo.half import HalfSolver
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
-from taichi_silo.proof import failure
-from taichi_silo.runtime import is_cpu, threads
+from taichi_silo.runtime import threads
 from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
 from taichi_silo.solver import Solver
@@ -136,19 +135,13 @@ class Simulation:
         self.solver = (HalfSolver if self.half else Solver)(
             self.particles, grid, self.shape, self.law, self._walls(grid), self.control,
             averaging=NonLocal(kernel, self.particles, self.spacing) if kernel else None,
-            lanes=self._choose_lanes() if lanes is None else lanes, **scene.method.solver_options(),
+            lanes=lanes if scene.machine.lanes else False, **scene.method.solver_options(),
         )  # fmt: skip
+        if why := self.solver.distrust:
+            slower = "Steps take two to four times as long."
+            self.warnings.append(f"The processor's vector unit is not used: {why}. {slower}")
         self.mass = self.whole * float(self.particles.mass.to_numpy().sum())
         self.solver.advance(0, 1.0)  # compiles
-
-    def _choose_lanes(self) -> bool | None:
-        """None if lanes may be used, False if not; a warning says why."""
-        if not self.scene.machine.lanes:
-            return False
-        if not is_cpu() or not (why := failure()):
-            return None
-        self.warnings.append(f"The processor's vector unit is not used: {why}. Steps take two to four times as long.")
-        return False
 
     def _fill_box(self) -> Particles:
         scene, d = self.scene, self.spacing

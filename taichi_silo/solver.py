@@ -12,21 +12,21 @@ from taichi_silo.geometry import Setting
 from taichi_silo.grid import Grid
 from taichi_silo.lanes import Lanes
 from taichi_silo.loops import NODES, POINTS, Loops
+from taichi_silo.nodes import echo_node, integrate_node
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
 from taichi_silo.phases import (
     affine_of,
     at_point,
     deform,
-    echo_node,
     echo_point,
     gather,
     gradient_of,
-    integrate_node,
     move,
     respond,
     scatter,
 )
+from taichi_silo.proof import failure
 from taichi_silo.runtime import real
 from taichi_silo.survey import Survey
 from taichi_silo.tensors import norm
@@ -93,7 +93,7 @@ class Solver(Loops):
         et al. 1995).
     filtering : a class of `taichi_silo.filters`, or None.
     shared : see `Loops`; None chooses.
-    lanes : whether eight points go at once (see lanes.py); None: wherever that is possible.
+    lanes : whether eight points go at once (see lanes.py); None: wherever that is possible and proved (proof.py).
 
     """
 
@@ -118,7 +118,9 @@ class Solver(Loops):
         hindrance = Lanes.why_not(self)
         if lanes and hindrance:
             raise ValueError(f"the step cannot run on lanes because {hindrance}")
-        self.lanes = Lanes(self) if lanes or (lanes is None and not shared and not hindrance) else None
+        wanted = lanes is None and not shared and not hindrance
+        self.distrust = failure() if wanted else ""  # why lanes that could be used are not
+        self.lanes = Lanes(self) if lanes or (wanted and not self.distrust) else None
 
     MIRRORED = False  # whether nodes beyond the last column of the grid are images of those before it (half.py)
 

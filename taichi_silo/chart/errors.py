@@ -32,7 +32,6 @@ def errors(found: dict, reference: dict) -> dict[str, float]:
         `relative_difference` of the wall normal stress over height, mean of both walls and of the last fifth of the
         displacement, smoothed over 20 mm, from 22.5 mm above the plate to 0.9 of the fill height.
     error_zone
-    error_zone
         Relative difference of the mean thickness of the shear zones at the walls at the end; nan where the reference
         has none.
 

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from taichi_silo import proof, simulation
+from taichi_silo import proof, simulation, solver, trial
 from taichi_silo.scene import Machine, Mesh, Scene
 
 LANES = True  # see conftest.py
@@ -59,7 +59,7 @@ def test_a_broken_file_of_verdicts_is_no_verdict(forgetful, monkeypatch, tmp_pat
 
 
 def test_without_trust_the_plain_loop_runs_and_the_run_says_why(monkeypatch):
-    monkeypatch.setattr(simulation, "failure", lambda: "the trial ended with code -6")
+    monkeypatch.setattr(solver, "failure", lambda: "the trial ended with code -6")
     silo = simulation.Simulation(COARSE)
     assert silo.solver.lanes is None
     assert any("vector unit is not used: the trial ended with code -6" in warning for warning in silo.warnings)
@@ -73,4 +73,4 @@ def test_lanes_can_be_left_out_by_the_scene():
 
 
 def test_the_trial_passes_here():
-    assert proof.compare() == ""
+    assert trial.compare() == ""

@@ -1,0 +1,97 @@
+"""What one node does with what the points have given it: equation of motion, noise control, walls.
+
+Formulas only, of plain loop and lanes alike; see phases.py.
+"""
+
+import taichi as ti
+
+
+@ti.func
+def held(wall: ti.template(), step, x, y):
+    """A velocity as far as a wall lets it."""
+    base_x, base_y = step.plate_velocity * wall.motion[0], step.plate_velocity * wall.motion[1]
+    free_x, free_y = wall.contact.touch((x - base_x, y - base_y), wall.normal())
+    return base_x + free_x, base_y + free_y
+
+
+@ti.func
+def motion_of_node(
+    grid: ti.template(), walls: ti.template(), control: ti.template(), books: ti.template(), down: ti.template(),
+    i, j, step, m, old, push, shared: ti.template(),
+):  # fmt: skip
+    """The velocity (x, y) after the step of a node of mass m > 0 that the sand accelerates by `push`.
+
+    Equation of motion, noise control, walls.
+    """
+    k = j * grid.columns + i
+    x = old[0] + step.dt * (push[0] + step.gravity * down[0])
+    y = old[1] + step.dt * (push[1] + step.gravity * down[1])
+    if ti.static(control.drag > 0.0 or control.filling_drag > 0.0):
+        recent_x, recent_y = grid.recent_velocity(step, j, k, m)
+        braking_x = step.dt * (control.drag * (recent_x - old[0]) - step.filling_drag * old[0])
+        braking_y = step.dt * (control.drag * (recent_y - old[1]) - step.filling_drag * old[1])
+        x, y = x + braking_x, y + braking_y
+        books.brake(j, (m * braking_x, m * braking_y), shared)
+    for number, wall in ti.static(enumerate(walls)):
+        if wall.holds(i, j):
+            free_x, free_y = x, y
+            x, y = held(wall, step, free_x, free_y)
+            books.react(number, wall.slot(i, j), (m * (x - free_x), m * (y - free_y)), shared)
+    if ti.static(control.drag > 0.0):
+        grid.remember(k, step.dt / control.memory_time, m, (x, y))
+    return x, y
+
+
+@ti.func
+def integrate_node(
+    grid: ti.template(), walls: ti.template(), control: ti.template(), books: ti.template(), down: ti.template(),
+    i, j, step, last: ti.template(), shared: ti.template(),
+):  # fmt: skip
+    """Motion of node (i, j); empties the sums for the next step.
+
+    `last` says that nobody asks for the nodal mass afterwards.
+    """
+    k = j * grid.columns + i
+    m, momentum, force = grid.mass[k], grid.momentum[k], grid.force[k]
+    for copy in ti.static(range(1, grid.copies)):
+        other = copy * grid.nodes + k
+        m, momentum, force = m + grid.mass[other], momentum + grid.momentum[other], force + grid.force[other]
+    if m > 0.0:
+        for copy in ti.static(range(grid.copies)):
+            other = copy * grid.nodes + k
+            if ti.static(last):
+                grid.mass[other] = 0.0
+            grid.momentum[other] = ti.Vector([0.0, 0.0])
+            grid.force[other] = ti.Vector([0.0, 0.0])
+        per_m = 1.0 / m
+        old = momentum * per_m
+        push = force * per_m
+        x, y = motion_of_node(
+            grid, walls, control, books, down, i, j, step, m, (old[0], old[1]), (push[0], push[1]), shared
+        )
+        grid.velocity[k] = ti.Vector([x, y])
+        grid.change[k] = ti.Vector([x - old[0], y - old[1]])
+    else:
+        grid.forget(k)
+
+
+@ti.func
+def echo_node(grid: ti.template(), walls: ti.template(), i, j, step, last: ti.template()):
+    """The `echo` of node (i, j): momentum over mass, as far as the given walls let it.
+
+    `last` says that nobody asks for the two sums afterwards.
+    """
+    k = j * grid.columns + i
+    m, momentum = 0.0 * step.dt, 0.0 * grid.echo[k]
+    for copy in ti.static(range(grid.copies)):
+        other = copy * grid.nodes + k
+        m, momentum = m + grid.mass[other], momentum + grid.momentum[other]
+        if ti.static(last):
+            grid.mass[other] = 0.0
+            grid.momentum[other] = ti.Vector([0.0, 0.0])
+    if m > 0.0:
+        x, y = momentum[0] / m, momentum[1] / m
+        for wall in ti.static(walls):
+            if wall.holds(i, j):
+                x, y = held(wall, step, x, y)
+        grid.echo[k] = ti.Vector([x, y])
