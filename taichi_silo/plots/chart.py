@@ -94,7 +94,8 @@ def _floor(panel, height: float) -> None:
 def speed_figure(rows: pd.DataFrame, floor: float) -> Figure:
     """Residual N as the bottom slows, as it is and with possible causes changed; and against the inertial number.
 
-    Where inertia governs, all series lie on one curve at the right; where something else does, they part.
+    A law without time makes sand of a hundredfold inertia do what lighter sand does ten times as fast: one curve at the
+    right. A series that parts from it changes what else counts.
 
     Parameters
     ----------
@@ -120,6 +121,6 @@ def speed_figure(rows: pd.DataFrame, floor: float) -> Figure:
     left.minorticks_off()
     right.set(xscale="log", xlabel="inertial number, 99th percentile (-)")
     left.set_title("Has N a limit as the bottom slows?", loc="left")
-    right.set_title("Does inertia govern it? Then all is one curve", loc="left")
+    right.set_title("At equal inertial number, equal forces?", loc="left")
     figure.legend(loc="outside lower center", ncols=3, fontsize=10.5)
     return figure
