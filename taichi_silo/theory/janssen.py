@@ -1,22 +1,30 @@
-"""Janssen's theory of a plane silo: the stresses of a fill that hangs on two parallel walls by friction.
+"""Janssen's theory of a silo: the stresses of a fill that hangs on vertical walls by friction.
 
-A horizontal slice of width b at depth z below the free surface is in vertical equilibrium when
+A horizontal slice of area A and perimeter U at depth z below the free surface is in vertical equilibrium when
 
-    d(sigma_v)/dz = gamma - 2 mu K sigma_v / b,   sigma_v(0) = 0,
+    d(sigma_v)/dz = gamma - mu K sigma_v U / A,   sigma_v(0) = 0,
 
 with the wall friction coefficient mu = tan(phi_w), fully mobilised, and the pressure ratio
-K = sigma_h / sigma_v, constant over the depth. With the depth scale z0 = b / (2 K mu) the solution is
+K = sigma_h / sigma_v, constant over the depth. With the depth scale z0 = (A / U) / (K mu) the solution is
 
     sigma_v = gamma z0 (1 - exp(-z / z0)),   sigma_h = K sigma_v,   tau_w = mu sigma_h.
 
+A plane silo (two parallel walls at a distance b, no others) has A/U = b/2, a round one of diameter d has A/U = d/4.
+Forces are those on a strip of wall one metre long: of a plane silo per metre run, of a round one per metre of
+circumference, its weight and bottom force too. A metre run of a plane silo has two walls, so that P + 2 T = W; a
+metre of circumference is one wall, so that P + T = W (times pi d: the whole silo).
+
 All stresses and forces are positive in compression, the wall shear where the wall carries weight.
-Source: H. A. Janssen (1895); the same formulas are in EN 1991-4, section 5, with A/U = b/2 for a plane silo.
+Source: H. A. Janssen (1895); the same formulas are in EN 1991-4, section 5.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
+
+WALLS = {"plane": 2, "round": 1}  # that carry the weight named in N per m
+PERIMETER = {"plane": 2.0, "round": 4.0}  # width over A/U
 
 
 def _mean_decay(x):
@@ -35,12 +43,12 @@ def _mean_growth(x):
 
 @dataclass(frozen=True)
 class Janssen:
-    """Fill of a plane silo between two equal vertical walls.
+    """Fill of a silo between two equal vertical walls, or within a round one.
 
     Parameters
     ----------
     width_m : float
-        Distance b of the walls [m].
+        Distance b of the walls, or the diameter d [m].
     height_m : float
         Fill height h [m].
     weight_density_N_per_m3 : float
@@ -49,6 +57,8 @@ class Janssen:
         phi_w, with mu = tan(phi_w) [degrees]; zero is a frictionless wall.
     pressure_ratio : float
         K = horizontal over vertical stress [-].
+    section : str
+        "plane" (the default) or "round".
     """
 
     width_m: float
@@ -56,6 +66,7 @@ class Janssen:
     weight_density_N_per_m3: float
     wall_friction_angle_deg: float
     pressure_ratio: float
+    section: str = "plane"
 
     def __post_init__(self):
         for name in ("width_m", "height_m", "weight_density_N_per_m3", "pressure_ratio"):
@@ -63,6 +74,8 @@ class Janssen:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
         if not 0.0 <= self.wall_friction_angle_deg < 90.0:
             raise ValueError(f"wall_friction_angle_deg must be in [0, 90): {self.wall_friction_angle_deg}")
+        if self.section not in WALLS:
+            raise ValueError(f"section must be one of {', '.join(WALLS)}, got {self.section!r}")
 
     @property
     def wall_friction(self) -> float:
@@ -71,8 +84,8 @@ class Janssen:
 
     @property
     def depth_scale_m(self) -> float:
-        """Depth z0 = b / (2 K mu) over which friction takes up the weight [m]; infinite without friction."""
-        resistance = 2.0 * self.pressure_ratio * self.wall_friction
+        """Depth z0 = (A/U) / (K mu) over which friction takes up the weight [m]; infinite without friction."""
+        resistance = PERIMETER[self.section] * self.pressure_ratio * self.wall_friction
         return self.width_m / resistance if resistance > 0.0 else float("inf")
 
     def vertical_stress_Pa(self, depth_m):
@@ -89,25 +102,30 @@ class Janssen:
         return self.wall_friction * self.normal_stress_Pa(depth_m)
 
     @property
+    def area_m2_per_m(self) -> float:
+        """Area of the section: b per metre run of a plane silo, d/4 per metre of circumference of a round one [m]."""
+        return self.width_m if self.section == "plane" else self.width_m / PERIMETER[self.section]
+
+    @property
     def weight_N_per_m(self) -> float:
-        """Weight W = gamma b h of the fill [N per metre run]."""
-        return self.weight_density_N_per_m3 * self.width_m * self.height_m
+        """Weight W of the fill, gamma b h [N per metre run] or gamma d h / 4 [N per metre of circumference]."""
+        return self.weight_density_N_per_m3 * self.area_m2_per_m * self.height_m
 
     @property
     def normal_force_N_per_m(self) -> float:
-        """Normal force N on one wall, K gamma z0 (h - z0 (1 - exp(-h / z0))) [N per metre run]."""
+        """Normal force N on one wall, K gamma z0 (h - z0 (1 - exp(-h / z0))) [N per metre]."""
         growth = _mean_growth(self.height_m / self.depth_scale_m)
         return float(self.pressure_ratio * self.weight_density_N_per_m3 * self.height_m**2 * growth)
 
     @property
     def shear_force_N_per_m(self) -> float:
-        """Friction force T = mu N on one wall [N per metre run]."""
+        """Friction force T = mu N on one wall [N per metre]."""
         return self.wall_friction * self.normal_force_N_per_m
 
     @property
     def bottom_force_N_per_m(self) -> float:
-        """Bottom force P = b sigma_v(h) [N per metre run]; P + 2 T = W."""
-        return float(self.width_m * self.vertical_stress_Pa(self.height_m))
+        """Bottom force P = sigma_v(h) b [N per metre run; P + 2 T = W] or d/4 [of circumference; P + T = W]."""
+        return float(self.area_m2_per_m * self.vertical_stress_Pa(self.height_m))
 
 
 def pressure_ratio_from_normal_force(
@@ -116,30 +134,31 @@ def pressure_ratio_from_normal_force(
     height_m: float,
     weight_density_N_per_m3: float,
     wall_friction_angle_deg: float,
+    section: str = "plane",
 ) -> float:
     """Return the pressure ratio K with which Janssen's theory gives a measured normal force on one wall.
 
     With x = h / z0 the force is N = N_max (1 - (1 - exp(-x)) / x), which grows with K from 0 to
-    N_max = W / (2 mu), where friction carries the whole weight. The bounds 1 - 1/x <= N / N_max <= x/2
-    enclose x.
+    N_max = W / (2 mu), or W / mu of a round silo, where friction carries the whole weight. The bounds
+    1 - 1/x <= N / N_max <= x/2 enclose x.
 
     Raises
     ------
     ValueError
-        If the force is not between 0 and W / (2 mu), so that no K belongs to it.
+        If the force is not between 0 and N_max, so that no K belongs to it.
     """
     force = float(normal_force_N_per_m)
-    unit = Janssen(width_m, height_m, weight_density_N_per_m3, wall_friction_angle_deg, pressure_ratio=1.0)
+    unit = Janssen(width_m, height_m, weight_density_N_per_m3, wall_friction_angle_deg, 1.0, section)
     mu = unit.wall_friction
-    largest = unit.weight_N_per_m / (2.0 * mu) if mu > 0.0 else float("inf")
+    largest = unit.weight_N_per_m / (WALLS[section] * mu) if mu > 0.0 else float("inf")
     if not 0.0 < force < largest:
         raise ValueError(
             f"no pressure ratio gives a wall normal force of {force:.6g} N/m: it must lie between 0 and "
-            f"W / (2 mu) = {largest:.6g} N/m"
+            f"W / ({'2 ' * (WALLS[section] == 2)}mu) = {largest:.6g} N/m"
         )
     fraction = force / largest
     if fraction < 1e-12:  # friction plays no part: N = K gamma h^2 / 2
         return 2.0 * force / (weight_density_N_per_m3 * height_m**2)
     low, high = 2.0 * fraction * (1.0 - 1e-9), (1.0 + 1e-9) / (1.0 - fraction)
     x = brentq(lambda x: x * _mean_growth(x) - fraction, low, high, xtol=1e-14 * low, rtol=1e-14)
-    return float(x * width_m / (2.0 * mu * height_m))
+    return float(x * width_m / (PERIMETER[section] * mu * height_m))

@@ -28,6 +28,7 @@ fills = st.builds(
     weight_density_N_per_m3=st.floats(1e3, 3e4),
     wall_friction_angle_deg=st.floats(0.0, 60.0),
     pressure_ratio=st.floats(0.1, 4.0),
+    section=st.sampled_from(["plane", "round"]),
 )
 
 
@@ -51,7 +52,8 @@ def test_tabulated_silos(row):
 @settings(deadline=None)
 @given(fills)
 def test_bottom_and_walls_carry_the_weight(fill):
-    carried = fill.bottom_force_N_per_m + 2.0 * fill.shear_force_N_per_m
+    walls = 2.0 if fill.section == "plane" else 1.0  # per metre run, per metre of circumference
+    carried = fill.bottom_force_N_per_m + walls * fill.shear_force_N_per_m
     assert carried == pytest.approx(fill.weight_N_per_m, rel=1e-11)
 
 
@@ -77,6 +79,7 @@ def test_pressure_ratio_is_found_again_from_the_normal_force(fill):
         fill.height_m,
         fill.weight_density_N_per_m3,
         fill.wall_friction_angle_deg,
+        fill.section,
     )
     assert found == pytest.approx(fill.pressure_ratio, rel=1e-8)
 
@@ -95,6 +98,36 @@ def test_stresses_saturate_far_below_the_surface():
     assert fill.shear_stress_Pa(100.0) == pytest.approx(16e3 * WIDTH / 2.0)  # two walls carry each slice
 
 
+def test_a_round_silo_by_hand():
+    # d = 4 m, h = 10 m, gamma = 10 kN/m3, mu = 0.5, K = 0.4: A/U = 4/4 = 1 m, z0 = 1 / (0.4 * 0.5) = 5 m,
+    # sigma_v(10) = 10 * 5 * (1 - e^-2) = 43.233236 kPa, sigma_h = 17.293294, tau = 8.646647 kPa,
+    # per metre of circumference W = 10 * 1 * 10 = 100, P = 43.233236 * 1, T = 100 - P = 56.766764, N = T / 0.5 kN/m
+    fill = Janssen(4.0, 10.0, 10e3, np.degrees(np.arctan(0.5)), 0.4, "round")
+    assert fill.depth_scale_m == pytest.approx(5.0)
+    assert fill.vertical_stress_Pa(10.0) == pytest.approx(43.233236e3)
+    assert fill.normal_stress_Pa(10.0) == pytest.approx(17.293294e3)
+    assert fill.shear_stress_Pa(10.0) == pytest.approx(8.646647e3)
+    assert fill.weight_N_per_m == pytest.approx(100e3)
+    assert fill.bottom_force_N_per_m == pytest.approx(43.233236e3)
+    assert fill.shear_force_N_per_m == pytest.approx(56.766764e3)
+    assert fill.normal_force_N_per_m == pytest.approx(113.533528e3)
+
+
+@settings(deadline=None)
+@given(fills)
+def test_a_round_silo_twice_as_wide_has_the_stresses_of_a_plane_one(fill):
+    rest = (fill.height_m, fill.weight_density_N_per_m3, fill.wall_friction_angle_deg, fill.pressure_ratio)
+    wide, narrow = Janssen(2.0 * fill.width_m, *rest, "round"), Janssen(fill.width_m, *rest, "plane")
+    depth = np.linspace(0.0, fill.height_m, 5)
+    np.testing.assert_allclose(wide.vertical_stress_Pa(depth), narrow.vertical_stress_Pa(depth), rtol=1e-14)
+    assert wide.normal_force_N_per_m == pytest.approx(narrow.normal_force_N_per_m, rel=1e-14)
+    assert 2.0 * wide.weight_N_per_m == pytest.approx(narrow.weight_N_per_m, rel=1e-14)
+
+
+def test_the_section_is_plane_unless_said_otherwise():
+    assert Janssen(WIDTH, HEIGHT, 16e3, 19.0, 0.45) == Janssen(WIDTH, HEIGHT, 16e3, 19.0, 0.45, "plane")
+
+
 def test_stress_vanishes_at_the_surface():
     assert Janssen(WIDTH, HEIGHT, 16e3, 19.0, 0.45).vertical_stress_Pa(0.0) == 0.0
 
@@ -108,7 +141,9 @@ def test_a_force_beyond_the_theory_is_refused(force):
         pressure_ratio_from_normal_force(force, WIDTH, HEIGHT, 16e3, 19.0)
 
 
-@pytest.mark.parametrize("wrong", [{"width_m": 0.0}, {"pressure_ratio": -0.4}, {"wall_friction_angle_deg": 90.0}])
+@pytest.mark.parametrize(
+    "wrong", [{"width_m": 0.0}, {"pressure_ratio": -0.4}, {"wall_friction_angle_deg": 90.0}, {"section": "oval"}]
+)
 def test_impossible_fills_are_refused(wrong):
     right = {
         "width_m": WIDTH,
