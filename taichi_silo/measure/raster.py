@@ -1,0 +1,97 @@
+"""Fields of scattered points on a regular raster, and back."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import map_coordinates
+from scipy.spatial import cKDTree
+
+NEIGHBOURS = 12
+BELL = 0.45  # standard deviation of the weights in spacings: the least that leaves no steps between points
+NEAR = 1.5  # spacings to the nearest point, up to which a place is within the body
+
+
+def clean(position, *values):
+    """Return the points (n, 2) and values (n, ...) where all are finite; `ValueError` if lengths differ."""
+    position = np.asarray(position, float)[:, :2]
+    values = [np.asarray(value, float) for value in values]
+    finite = np.isfinite(position).all(axis=1)
+    for value in values:
+        if len(value) != len(position):
+            raise ValueError(f"{len(position)} positions, but {len(value)} values")
+        finite &= np.isfinite(value.reshape(len(value), -1)).all(axis=1)
+    return position[finite], *(value[finite] for value in values)
+
+
+def point_spacing_m(position) -> float:
+    """Typical distance of neighbouring points [m]: of a square lattice with as many points in as large a body.
+
+    From the distance to the fourth neighbour, so that a lattice and random points give nearly the same.
+    """
+    distance, _ = cKDTree(position).query(position, k=5)
+    return float(np.median(distance[:, 1:].mean(axis=1)))
+
+
+def sample(position, value, places, spacing_m: float):
+    """Values at places (..., 2): means of the nearest points with the weight exp(-r^2 / (2 (0.45 spacing)^2)).
+
+    A line narrower than a spacing is thus widened to a little more than one; far from all points the value is that of
+    the nearest.
+    """
+    distance, neighbour = cKDTree(position).query(places, k=min(NEIGHBOURS, len(position)))
+    return np.sum(_weights(distance, spacing_m) * np.asarray(value, float)[neighbour], axis=-1)
+
+
+def within(position, places, spacing_m: float):
+    """Whether places (..., 2) are in the body: a point is nearer than 1.5 spacings."""
+    distance, _ = cKDTree(position).query(places)
+    return distance < NEAR * spacing_m
+
+
+def _weights(distance, spacing_m):
+    exponent = (distance**2 - distance[..., :1] ** 2) / (2.0 * (BELL * spacing_m) ** 2)
+    weight = np.exp(-exponent)  # relative to the nearest point: finite far from all
+    return weight / weight.sum(axis=-1, keepdims=True)
+
+
+@dataclass(frozen=True)
+class Raster:
+    """Square cells between the walls x = 0 and x = width, from a bottom upwards.
+
+    Attributes
+    ----------
+    x_m, y_m : (columns,), (rows,) middles of the cells [m].
+    cell_m : side of a cell [m].
+    inside : (rows, columns) whether a cell is in the body.
+    weight, neighbour : (rows, columns, k) points of each cell and their weights.
+
+    """
+
+    x_m: np.ndarray
+    y_m: np.ndarray
+    cell_m: float
+    inside: np.ndarray
+    weight: np.ndarray
+    neighbour: np.ndarray
+
+    @classmethod
+    def over(cls, position, width_m, spacing_m, bottom_m=None, top_m=None, cells=1.0) -> "Raster":
+        """Over points (n, 2), with `cells` cells a spacing; from the lowest to the highest point if not told."""
+        bottom_m = position[:, 1].min() - 0.5 * spacing_m if bottom_m is None else bottom_m
+        top_m = position[:, 1].max() + 0.5 * spacing_m if top_m is None else top_m
+        columns = max(4, int(np.ceil(cells * width_m / spacing_m - 1e-6)))
+        cell = width_m / columns
+        rows = max(4, int(np.ceil((top_m - bottom_m) / cell - 1e-6)))
+        x, y = (np.arange(columns) + 0.5) * cell, bottom_m + (np.arange(rows) + 0.5) * cell
+        places = np.stack(np.meshgrid(x, y), axis=-1)
+        distance, neighbour = cKDTree(position).query(places, k=min(NEIGHBOURS, len(position)))
+        return cls(x, y, cell, distance[..., 0] < NEAR * spacing_m, _weights(distance, spacing_m), neighbour)
+
+    def of(self, value):
+        """Field (rows, columns) of values (n,)."""
+        return np.sum(self.weight * np.asarray(value, float)[self.neighbour], axis=-1)
+
+    def at(self, field, places):
+        """Values of a field (rows, columns) at places (..., 2), bilinear, constant outside the middles."""
+        column, row = (places[..., k] - first for k, first in ((0, self.x_m[0]), (1, self.y_m[0])))
+        return map_coordinates(field, [row / self.cell_m, column / self.cell_m], order=1, mode="nearest")
