@@ -14,18 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.faults import RunFailed
+from taichi_silo.filling import FIRST_STEP, LAYER_PERIODS, LONGEST_SETTLING_PERIODS, RISE_PERIODS, SHORTEST_PERIODS
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.laws.stress_point import wave_speed
 from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
-from taichi_silo.simulation import (
-    FIRST_STEP,
-    LONGEST_SETTLING_PERIODS,
-    RAMP_PERIODS,
-    SHORTEST_FILLING_PERIODS,
-    STEP_SAFETY,
-    Simulation,
-)
+from taichi_silo.simulation import RAMP_PERIODS, STEP_SAFETY, Simulation
 
 SETTLING_PERIODS = 5.0  # until the wall force rests, with noise control
 FILLED = {"smooth": 1.15, "very-rough": 1.04}  # greatest wave speed over that at half the height, after filling
@@ -65,12 +59,18 @@ def steps(scene: Scene) -> int:
     fraction = SHAPES[scene.grid.shape](0.5 / math.isqrt(scene.grid.points_per_cell)).stable_fraction
     fraction = STEP_SAFETY * fraction if method.cfl is None else method.cfl
 
+    speed_of_flow = 0.0 if scene.flow.outflow == "gravity" else scene.flow.speed_m_per_s
+
     def count(duration: float, wave: float) -> int:
         """Steps of one interval."""
-        step = method.time_step_s or fraction * scene.grid.cell_size_m / (wave + scene.flow.speed_m_per_s)
+        step = method.time_step_s or fraction * scene.grid.cell_size_m / (wave + speed_of_flow)
         return max(1, math.ceil(duration / step - 1e-9))
 
-    filling = max(method.filling_time_s, SHORTEST_FILLING_PERIODS * period)
+    filling = {
+        "gravity-ramp": max(method.filling_time_s, SHORTEST_PERIODS * period),
+        "layers": scene.filling.layers * LAYER_PERIODS * period,
+        "rain": RISE_PERIODS * period,
+    }[scene.filling.kind]
     rows = math.ceil(filling / interval)
     loaded = FILLED[scene.walls.kind] * c
     growing = [loaded * ((row + 1) / rows) ** (0.5 * law.degree) for row in range(1, rows)]
@@ -82,7 +82,10 @@ def steps(scene: Scene) -> int:
         settling = max(method.longest_settling_s, LONGEST_SETTLING_PERIODS * period)
     settling = min(settling, max(method.longest_settling_s, LONGEST_SETTLING_PERIODS * period))
     found += round(settling / interval) * count(interval, loaded)
-    flow = scene.flow.displacement_m / scene.flow.speed_m_per_s + 0.5 * RAMP_PERIODS * period
+    if scene.flow.outflow == "gravity":
+        flow = scene.flow.longest_s
+    else:
+        flow = scene.flow.displacement_m / scene.flow.speed_m_per_s + 0.5 * RAMP_PERIODS * period
     return found + round(flow / interval * count(interval, c * _sharpness(scene)))
 
 
@@ -109,7 +112,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
     particles, memory = simulation.particles, simulation.solver.grid.memory
     arrays = particles.arrays()
     clock = {name: value for name, value in vars(simulation).items() if isinstance(value, int | float | str | None)}
-    scene = simulation.scene
+    scene, ledger, simulation.ledger = simulation.scene, simulation.ledger, None
     depth = scene.silo.height_m - arrays["position"][:, 1]
     vertical = -scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * np.maximum(depth, 0.0)
     side = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio) * vertical
@@ -118,18 +121,27 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
     particles.load(arrays | {"stress": stress})
     done, spent, rates, begun = simulation.steps, simulation.stepping_seconds, [], time.monotonic()
     with contextlib.suppress(RunFailed):  # a run that cannot go on will say so itself
-        for _record in simulation.flow():
+        for _record in _flowing(simulation):
             rates.append((simulation.stepping_seconds - spent) / (simulation.steps - done))
             done, spent = simulation.steps, simulation.stepping_seconds
             if len(rates) > 4 and time.monotonic() - begun > seconds:
                 break
     found = float(np.median(rates)) if rates else math.nan  # the first interval builds lists; others get interrupted
+    simulation.ledger = ledger
     for name, value in clock.items():
         setattr(simulation, name, value)
     particles.load(arrays)
     memory.fill(0.0)
     simulation.solver.books.take()
     return found
+
+
+def _flowing(simulation: Simulation):
+    """Records of flow; of free outflow, whose solver is another, those of sand at rest, whose steps cost as much."""
+    if simulation.scene.flow.outflow == "gravity":
+        while True:
+            yield simulation.advance(simulation.interval)
+    yield from simulation.flow()
 
 
 def at_pace(scene: Scene, seconds: float) -> Cost:

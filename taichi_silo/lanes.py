@@ -14,7 +14,7 @@ import taichi as ti
 
 from taichi_silo.grid import MARGIN
 from taichi_silo.maths import greatest
-from taichi_silo.nodes import motion_of_node
+from taichi_silo.nodes import motion_of_node, pass_by
 from taichi_silo.phases import gifts, weights
 from taichi_silo.runtime import LANES, compiling_wide, eight, is_cpu, real
 
@@ -186,6 +186,9 @@ class Lanes:
                 for j in range(low, high):
                     self.integrate_row(sums, nodal, j, step)
                 self.barrier.wait(passed, arrived + 1)
+                if ti.static(self.solver.surfaces.ACTIVE):
+                    for j in range(low, high):
+                        self.solver.surfaces.press_row(j, step.dt)
                 begin, end = first * groups // self.strips, last * groups // self.strips
                 for g in range(begin, end):
                     self.solver.take(points, g, t, step, self.gather(points, nodal, g, t), True, True)
@@ -275,6 +278,8 @@ class Lanes:
         s = self.solver
         if ti.static(s.MIRRORED):
             self.fold(sums, j)
+        if ti.static(s.surfaces.ACTIVE):
+            s.surfaces.book_row(s.books, j, step.dt)
         for i in range(self.grid.columns):
             k = j * self.grid.columns + i
             total = eight(0.0)
@@ -287,10 +292,12 @@ class Lanes:
                 per_m = 1.0 / m
                 old = total[1] * per_m, total[2] * per_m
                 push = (total[3] + total[4] + total[6]) * per_m, (total[5] + total[7]) * per_m
-                x, y = motion_of_node(self.grid, s.walls, s.control, s.books, s.down, i, j, step, m, old, push, False)
+                x, y = motion_of_node(
+                    self.grid, s.walls, s.surfaces, s.control, s.books, s.down, i, j, step, m, old, push, False
+                )
                 nodal[k] = eight(x, y, x - old[0], y - old[1], x, y, x, y)
             else:
-                self.grid.forget(k)
+                pass_by(self.grid, s.surfaces, k)
         if ti.static(s.MIRRORED):
             axis = self.grid.node(self.grid.columns - 1 - MARGIN, j)
             for n in ti.static(range(1, MARGIN + 1)):

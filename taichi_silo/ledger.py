@@ -21,15 +21,20 @@ class Ledger:
         self.momentum = np.zeros(2)  # that left with it [N s/m]
         self.points = 0
 
-    def settle(self) -> float:
-        """Take out what has passed the exit since the last time; its mass [kg/m]."""
-        arrays = self.particles.arrays()
-        gone = arrays["position"][:, 1] < self.exit
+    def settle(self) -> np.ndarray | None:
+        """Take out what has passed the exit since the last time.
+
+        Returns
+        -------
+        Which of the points have stayed (n,), None if all have.
+
+        """
+        gone = self.particles.position.to_numpy()[: self.particles.active[None], 1] < self.exit
         if not gone.any():
-            return 0.0
-        left = float(arrays["mass"][gone].sum())
-        self.mass += left
+            return None
+        arrays = self.particles.arrays()
+        self.mass += float(arrays["mass"][gone].sum())
         self.momentum += arrays["mass"][gone] @ arrays["velocity"][gone]
         self.points += int(gone.sum())
         self.particles.load({name: values[~gone] for name, values in arrays.items()})
-        return left
+        return ~gone

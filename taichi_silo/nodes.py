@@ -7,25 +7,28 @@ import taichi as ti
 
 
 @ti.func
-def held(wall: ti.template(), step, x, y):
-    """A velocity as far as a wall lets it."""
+def held(wall: ti.template(), step, i, j, x, y):
+    """A velocity of node (i, j) as far as a wall lets it."""
     base_x, base_y = step.plate_velocity * wall.motion[0], step.plate_velocity * wall.motion[1]
-    free_x, free_y = wall.contact.touch((x - base_x, y - base_y), wall.normal())
+    free_x, free_y = wall.contact.touch((x - base_x, y - base_y), wall.normal(i, j))
     return base_x + free_x, base_y + free_y
 
 
 @ti.func
 def motion_of_node(
-    grid: ti.template(), walls: ti.template(), control: ti.template(), books: ti.template(), down: ti.template(),
-    i, j, step, m, old, push, shared: ti.template(),
+    grid: ti.template(), walls: ti.template(), surfaces: ti.template(), control: ti.template(), books: ti.template(),
+    down: ti.template(), i, j, step, m, old, push, shared: ti.template(),
 ):  # fmt: skip
     """The velocity (x, y) after the step of a node of mass m > 0 that the sand accelerates by `push`.
 
-    Equation of motion, noise control, walls.
+    Equation of motion, surfaces, noise control, walls.
     """
     k = j * grid.columns + i
     x = old[0] + step.dt * (push[0] + step.gravity * down[0])
     y = old[1] + step.dt * (push[1] + step.gravity * down[1])
+    if ti.static(surfaces.ACTIVE):
+        pressed_x, pressed_y = surfaces.force(k)
+        x, y = x + step.dt / m * pressed_x, y + step.dt / m * pressed_y
     if ti.static(control.drag > 0.0 or control.filling_drag > 0.0):
         recent_x, recent_y = grid.recent_velocity(step, j, k, m)
         braking_x = step.dt * (control.drag * (recent_x - old[0]) - step.filling_drag * old[0])
@@ -35,23 +38,35 @@ def motion_of_node(
     for number, wall in ti.static(enumerate(walls)):
         if wall.holds(i, j):
             free_x, free_y = x, y
-            x, y = held(wall, step, free_x, free_y)
+            x, y = held(wall, step, i, j, free_x, free_y)
             books.react(number, wall.slot(i, j), (m * (x - free_x), m * (y - free_y)), shared)
     if ti.static(control.drag > 0.0):
         grid.remember(k, step.dt / control.memory_time, m, (x, y))
+    if ti.static(surfaces.ACTIVE):
+        surfaces.note(k, m, x, y)
     return x, y
 
 
 @ti.func
+def pass_by(grid: ti.template(), surfaces: ti.template(), k):
+    """Node k has no sand."""
+    grid.forget(k)
+    if ti.static(surfaces.ACTIVE):
+        surfaces.note(k, 0.0, 0.0, 0.0)
+
+
+@ti.func
 def integrate_node(
-    grid: ti.template(), walls: ti.template(), control: ti.template(), books: ti.template(), down: ti.template(),
-    i, j, step, last: ti.template(), shared: ti.template(),
+    grid: ti.template(), walls: ti.template(), surfaces: ti.template(), control: ti.template(), books: ti.template(),
+    down: ti.template(), i, j, step, last: ti.template(), shared: ti.template(),
 ):  # fmt: skip
     """Motion of node (i, j); empties the sums for the next step.
 
     `last` says that nobody asks for the nodal mass afterwards.
     """
     k = j * grid.columns + i
+    if ti.static(surfaces.ACTIVE):
+        surfaces.book_from(books, i, j, step.dt)
     m, momentum, force = grid.mass[k], grid.momentum[k], grid.force[k]
     for copy in ti.static(range(1, grid.copies)):
         other = copy * grid.nodes + k
@@ -67,12 +82,12 @@ def integrate_node(
         old = momentum * per_m
         push = force * per_m
         x, y = motion_of_node(
-            grid, walls, control, books, down, i, j, step, m, (old[0], old[1]), (push[0], push[1]), shared
+            grid, walls, surfaces, control, books, down, i, j, step, m, (old[0], old[1]), (push[0], push[1]), shared
         )
         grid.velocity[k] = ti.Vector([x, y])
         grid.change[k] = ti.Vector([x - old[0], y - old[1]])
     else:
-        grid.forget(k)
+        pass_by(grid, surfaces, k)
 
 
 @ti.func
@@ -93,5 +108,5 @@ def echo_node(grid: ti.template(), walls: ti.template(), i, j, step, last: ti.te
         x, y = momentum[0] / m, momentum[1] / m
         for wall in ti.static(walls):
             if wall.holds(i, j):
-                x, y = held(wall, step, x, y)
+                x, y = held(wall, step, i, j, x, y)
         grid.echo[k] = ti.Vector([x, y])

@@ -10,9 +10,10 @@ from taichi_silo.column import period_of
 from taichi_silo.grid import MARGIN
 from taichi_silo.laws.integrate import LOCAL_ERROR
 from taichi_silo.observers.movie import FILLING_FRAMES, FLOW_FRAMES
+from taichi_silo.placing import headroom
 from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
-from taichi_silo.simulation import headroom, noise_control
+from taichi_silo.simulation import noise_control
 from taichi_silo.symmetry import half_model
 
 TOUCHING = 3.75  # stretch along an axis at which points that keep their domain lose touch (stability map, ugimp)
@@ -67,7 +68,7 @@ def intergranular_strain(scene: Scene) -> Part:
     sand, flow = scene.sand, scene.flow
     if sand.law != "auto":
         because = f"As asked for: {sand.law}."
-    elif flow.TURNS_BACK:
+    elif flow.turns_back:
         because = f"Strain turns back, and sand is then {sand.intergranular.m_R:g} times as stiff (m_R)."
     else:
         strain = flow.displacement_m / scene.silo.height_m

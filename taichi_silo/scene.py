@@ -6,7 +6,8 @@ work, in a sentence that names the value and its valid range.
 
 import math
 import os
-from typing import ClassVar, Literal
+from functools import cached_property
+from typing import Literal
 
 from pydantic import Field, field_validator, model_validator
 
@@ -17,6 +18,7 @@ from taichi_silo.laws import GudehusBauer, Intergranular
 from taichi_silo.symmetry import half_model
 from taichi_silo.table import Table
 from taichi_silo.variant import Shape, Variant
+from taichi_silo.vessel import Silo
 
 LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of loose sand applies
 MOST_POINTS = 20_000_000
@@ -25,14 +27,6 @@ MOST_POINTS = 20_000_000
 def cores() -> int:
     """Processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-class Silo(Table):
-    """The box between two parallel walls; all forces are per metre run."""
-
-    width_m: float = Field(0.2, gt=0)
-    height_m: float = Field(0.5, gt=0, description="height of the fill")
-    half: Literal["auto", "yes", "no"] = Field("auto", description="compute one half and mirror it; see symmetry.py")
 
 
 class IntergranularStrain(Table):
@@ -151,16 +145,31 @@ class Mesh(Table):
 
 
 class Flow(Table):
-    """Lowering of the bottom plate.
+    """Outflow: the bottom, or a gate in the outlet, sinks at a speed, or the sand falls out by its weight."""
 
-    TURNS_BACK says whether sand is strained to and fro, as in vibration and behind a free outflow; above a bottom that
-    sinks as a whole it is not. It decides whether the law needs a memory of the last strain.
+    outflow: Literal["controlled", "gravity"] = "controlled"
+    speed_m_per_s: float = Field(0.002, gt=0, description="of the bottom or gate; without meaning for gravity")
+    displacement_m: float = Field(
+        0.02, gt=0, description="of the bottom or gate at the end; for gravity of a gate that lets out as much"
+    )
+    longest_s: float = Field(10.0, gt=0, description="for gravity: the end if the flow has not stopped before")
+
+    @property
+    def turns_back(self) -> bool:
+        """Whether sand is strained to and fro, as behind a free outflow, so that its law needs a memory."""
+        return self.outflow == "gravity"
+
+
+class Filling(Table):
+    """How the sand gets into the silo.
+
+    gravity-ramp: all of it is in place, and its weight grows (the paper's). layers: one after the other, each with its
+    weight. rain: row after row falls from a height.
     """
 
-    TURNS_BACK: ClassVar[bool] = False
-
-    speed_m_per_s: float = Field(0.002, gt=0)
-    displacement_m: float = Field(0.02, gt=0)
+    kind: Literal["gravity-ramp", "layers", "rain"] = "gravity-ramp"
+    layers: int = Field(20, ge=1, le=1000)
+    drop_m: float = Field(0.02, ge=0, description="of rain")
 
 
 class Averaging(Table):
@@ -255,13 +264,14 @@ class Machine(Table):
 
 
 class Scene(Table):
-    """A silo with parallel walls, filled with sand, whose bottom is lowered."""
+    """A silo, filled with sand that then flows out."""
 
     silo: Silo = Silo()
     sand: Sand = Sand()
     walls: Walls = Walls()
     grid: Mesh = Mesh()
     averaging: Averaging = Averaging()
+    filling: Filling = Filling()
     flow: Flow = Flow()
     method: Method = Method()
     output: Output = Output()
@@ -280,28 +290,56 @@ class Scene(Table):
             raise ValueError(f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed")
         self.averaging.check(self.sand, self.spacing_m, self.points, self.silo.width_m)
         half_model(self)
-        if self.flow.displacement_m > self.silo.height_m:
-            raise ValueError(
-                f"displacement is {self.flow.displacement_m} m; it must be at most the height of {self.silo.height_m} m"
-            )
+        self._check_outflow()
         return self
+
+    def _check_outflow(self) -> None:
+        silo, flow, h = self.silo, self.flow, self.grid.cell_size_m
+        left, right = silo.outlet_m
+        if right - left < 2.0 * h * (1.0 - 1e-9):
+            raise ValueError(f"outlet width is {right - left:g} m; on cells of {h} m it must be at least {2 * h:g} m")
+        for edge in (left, right) if silo.outlet is not None else ():
+            if abs(edge / h - round(edge / h)) > 1e-6:
+                raise ValueError(
+                    f"outlet width is {silo.outlet.width_m} m; its edge at x = {edge:g} m must lie on the grid, whose "
+                    f"lines are {h} m apart"
+                )
+        if silo.section == "round" and round(silo.width_m / h) % 2:
+            raise ValueError(f"cell size is {h} m; it must divide the radius of {0.5 * silo.width_m} m of a round silo")
+        if flow.outflow == "gravity" and silo.sinks:
+            raise ValueError("outflow is gravity; the silo needs an outlet or a hopper that sand can fall out of")
+        most = silo.area_m2 / (right - left)
+        if silo.sinks and flow.displacement_m > silo.height_m:
+            raise ValueError(
+                f"displacement is {flow.displacement_m} m; it must be at most the height of {silo.height_m} m"
+            )
+        if flow.outflow == "controlled" and flow.displacement_m > most * (1.0 + 1e-9):
+            raise ValueError(
+                f"displacement is {flow.displacement_m} m; it must be at most {most:.4g} m, when the silo is empty"
+            )
+        if self.filling.kind == "rain" and self.filling.drop_m > silo.height_m:
+            raise ValueError(
+                f"drop is {self.filling.drop_m} m; it must be between 0 and the silo's height of {silo.height_m} m"
+            )
 
     @property
     def law(self) -> GudehusBauer | Intergranular:
         """The constitutive law of the sand in this scene."""
-        return self.sand.constitutive_law(self.method.mass_scaling, self.flow.TURNS_BACK)
+        return self.sand.constitutive_law(self.method.mass_scaling, self.flow.turns_back)
 
     @property
     def spacing_m(self) -> float:
         """Of the points."""
         return self.grid.cell_size_m / math.isqrt(self.grid.points_per_cell)
 
-    @property
+    @cached_property
     def points(self) -> int:
-        """Number of material points."""
-        per_axis = math.isqrt(self.grid.points_per_cell)
-        h = self.grid.cell_size_m / per_axis
-        return round(self.silo.width_m / h) * round(self.silo.height_m / h)
+        """Number of material points; of a round silo those of its section from wall to wall."""
+        d, silo = self.spacing_m, self.silo
+        columns, rows = round(silo.width_m / d), round(silo.height_m / d)
+        if silo.sinks or columns * rows > MOST_POINTS:
+            return columns * rows
+        return len(silo.lattice(d)[0])
 
     @property
     def wall_friction_angle_deg(self) -> float:
@@ -318,4 +356,4 @@ class Scene(Table):
     @property
     def weight_N_per_m(self) -> float:
         """Weight of the fill."""
-        return self.density_kg_per_m3 * self.method.gravity_m_per_s2 * self.silo.width_m * self.silo.height_m
+        return self.density_kg_per_m3 * self.method.gravity_m_per_s2 * self.silo.area_m2

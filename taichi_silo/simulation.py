@@ -1,35 +1,34 @@
-"""From a scene to its history: fill the silo, let it settle, lower the bottom."""
+"""From a scene to its history: fill the silo, let it settle, let it flow."""
 
 import math
 import time
-from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from taichi_silo import filling
 from taichi_silo.averaging import NonLocal
 from taichi_silo.column import wave_speed_of
 from taichi_silo.faults import RunFailed
-from taichi_silo.grid import MARGIN, Grid
+from taichi_silo.geometry import Setting
+from taichi_silo.grid import MARGIN
 from taichi_silo.half import HalfSolver
+from taichi_silo.ledger import Ledger
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
+from taichi_silo.placing import BOTTOM, LEFT, RIGHT, Section, grid_of, load, state_of_fill, surfaces_of, walls_of
 from taichi_silo.runtime import threads
 from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
 from taichi_silo.solver import Solver
-from taichi_silo.symmetry import half_model, whole_points, whole_profile
-from taichi_silo.walls import Coulomb, Glide, NoSlip, PlaneWall
 from taichi_silo.weaknesses import weaknesses
 
-LEFT, RIGHT, BOTTOM = 0, 1, 2
+BODIES = 3  # of a record's profile: where walls after left, right and bottom begin
 RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
-HEADROOM = 0.1  # of the fill height, free above it; more where sand hangs on a very rough wall while the grid sinks
-SHORTEST_FILLING_PERIODS = 12  # the weight must not grow faster than the column can follow
-LONGEST_SETTLING_PERIODS = 20  # at least
 STEP_SAFETY = 0.95  # of the stable step, which changes within an interval
-FIRST_STEP = 0.2  # of the stable step of unstressed sand: in the first interval the stress grows a thousandfold
-SETTLED = 2e-4  # relative change of the wall force over two periods that counts as rest
+OPENED = -20.0  # speed of a gate that sand cannot follow [m/s]
+EXIT = 0.5  # of a cell below the floor: sand that has passed touches no node that can move
+AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,9 @@ class Record:
     separated: int  # points that carry no stress
     strays: int
     speed_m_per_s: float
-    profile: np.ndarray  # (3 walls, slots, 2): force of the wall on the sand at each node [N/m]
+    profile: np.ndarray  # (left, right, bottom, bodies; slots; 2): force on the sand at each node [N/m]
+    discharged_kg_per_m: float = 0.0  # since the start
+    bodies_N_per_m: dict = field(default_factory=dict)  # force (x, y) of hopper walls and inserts on the sand
 
     @property
     def normal_N_per_m(self) -> float:
@@ -79,6 +80,7 @@ class Record:
     def residual_N_per_m(self) -> float:
         """P + 2 T - W - d(upward momentum)/dt + control force: zero but for round-off."""
         carried = self.bottom_N_per_m + self.left_shear_N_per_m + self.right_shear_N_per_m
+        carried += sum(force[1] for force in self.bodies_N_per_m.values())
         return carried - self.weight_N_per_m - self.momentum_rate_N_per_m + self.control_N_per_m
 
 
@@ -87,11 +89,6 @@ def noise_control(scene: Scene, period_s: float) -> NoiseControl:
     if scene.method.noise_control == "none":
         return NoiseControl()
     return NoiseControl.for_column(period_s, scene.silo.height_m / scene.silo.width_m)
-
-
-def headroom(scene: Scene) -> float:
-    """Height of the grid above the fill [m]."""
-    return max(HEADROOM * scene.silo.height_m, scene.flow.displacement_m + 2.0 * scene.grid.cell_size_m)
 
 
 class Simulation:
@@ -112,9 +109,8 @@ class Simulation:
         self.flow_start, self.bottom_speed = None, 0.0  # [s], [m/s]
         self.steps, self.stepping_seconds = 0, 0.0
         self.after, self.seen = None, None  # last survey, and of which points
-        h = scene.grid.cell_size_m
         per_axis = math.isqrt(scene.grid.points_per_cell)
-        self.spacing = h / per_axis
+        self.spacing = scene.grid.cell_size_m / per_axis
 
         self.shape = SHAPES[scene.grid.shape](0.5 / per_axis)
         self.transfer = scene.method.transfer_of_points()
@@ -124,56 +120,36 @@ class Simulation:
         self.rows_per_period = scene.output.records_per_period
         self.control = noise_control(scene, self.period) if control is None else control
 
-        self.half, _ = half_model(scene)
-        self.whole = 2.0 if self.half else 1.0  # silo over what is computed of it
-        self.width = scene.silo.width_m / self.whole  # of what is computed [m]
-        self.columns = round(scene.silo.width_m / h) + 1 + 2 * MARGIN  # nodes across the silo
+        self.section = Section.of(scene)
+        self.half, self.whole, self.width = self.section.half, self.section.whole, self.section.width
+        self.columns = self.section.columns
 
-        grid = Grid(self.width, scene.silo.height_m + headroom(scene), h, copies=threads())
-        self.particles = self._fill_box()
+        self.grid = grid_of(scene, self.section, threads())
+        self.fill_state = state_of_fill(scene, self.section, self.law, self.density)
+        count = len(self.fill_state["mass"])
+        self.particles = Particles(count, Particles.extras(self.law, self.shape, self.transfer))
+        load(self.particles, self.fill_state)
+        self.identity = np.arange(count)  # of the points, in the order of the fill
+        self.mass = self.whole * float(self.fill_state["mass"].sum())  # of the full silo [kg/m]
+        self._held = -1, 0.0  # loads of the particles, and the mass they then had
         kernel, self.about_averaging = scene.averaging.kernel(scene.sand, self.spacing)
-        self.solver = (HalfSolver if self.half else Solver)(
-            self.particles, grid, self.shape, self.law, self._walls(grid), self.control,
-            averaging=NonLocal(kernel, self.particles, self.spacing) if kernel else None,
-            lanes=lanes if scene.machine.lanes else False, **scene.method.solver_options(),
-        )  # fmt: skip
+        self.averaging = NonLocal(kernel, self.particles, self.spacing) if kernel else None
+        self.walls = walls_of(scene, self.section, self.grid)
+        self.surfaces = surfaces_of(scene, self.section)
+        self.lanes = lanes if scene.machine.lanes else False
+        self.solver = self._solver(self.control)
         if why := self.solver.distrust:
             slower = "Steps take two to four times as long."
             self.warnings.append(f"The processor's vector unit is not used: {why}. {slower}")
-        self.mass = self.whole * float(self.particles.mass.to_numpy().sum())
+        self.ledger = None if scene.silo.sinks else Ledger(self.particles, -EXIT * scene.grid.cell_size_m)
         self.solver.advance(0, 1.0)  # compiles
 
-    def _fill_box(self) -> Particles:
-        scene, d = self.scene, self.spacing
-        columns, rows = round(self.width / d), round(scene.silo.height_m / d)
-        x, y = np.meshgrid((np.arange(columns) + 0.5) * d, (np.arange(rows) + 0.5) * d)
-        count = columns * rows
-        particles = Particles(count, Particles.extras(self.law, self.shape, self.transfer))
-        state = {
-            "position": np.stack([x.ravel(), y.ravel()], axis=1),
-            "velocity": np.zeros((count, 2)),
-            "stress": np.tile([-self.law.rest_stress] * 3 + [0.0], (count, 1)),
-            "mass": np.full(count, self.density * d * d),
-            "volume": np.full(count, d * d),
-            "path": np.zeros(count),
-            "domain": np.tile([d, 0.0, 0.0, d], (count, 1)),
-        }
-        if self.law.REMEMBERS:  # the last strain is that of filling: vertical compression
-            state["intergranular"] = np.tile([0.0, -self.law.radius, 0.0, 0.0], (count, 1))
-        particles.load(state)
-        return particles
-
-    def _walls(self, grid: Grid) -> tuple[PlaneWall, ...]:
-        scene = self.scene
-        side = NoSlip() if scene.walls.kind == "very-rough" else Coulomb(scene.wall_friction_angle_deg)
-        opposite = ("axis", Glide()) if self.half else ("right", side)
-        return (
-            PlaneWall("left", 0, -1, grid.node_along(0.0), side),
-            PlaneWall(opposite[0], 0, 1, grid.node_along(self.width), opposite[1]),
-            PlaneWall(
-                "bottom", 1, -1, grid.node_along(0.0), Coulomb(scene.walls.bottom_friction_angle_deg), motion=(0.0, 1.0)
-            ),
-        )
+    def _solver(self, control: NoiseControl) -> Solver:
+        return (HalfSolver if self.half else Solver)(
+            self.particles, self.grid, self.shape, self.law, self.walls, control, averaging=self.averaging,
+            setting=Setting(self.section.geometry), surfaces=self.surfaces, lanes=self.lanes,
+            **self.scene.method.solver_options(),
+        )  # fmt: skip
 
     # --- stages ---------------------------------------------------------------------------------------------------
 
@@ -183,9 +159,30 @@ class Simulation:
         return self.period / self.rows_per_period
 
     @property
+    def held_mass(self) -> float:
+        """Of the sand that is in the silo now [kg/m]."""
+        if self._held[0] != self.particles.loads:
+            there = self.particles.mass.to_numpy()[: self.particles.active[None]]
+            self._held = self.particles.loads, self.whole * float(there.sum())
+        return self._held[1]
+
+    @property
     def filling_time(self) -> float:
-        """Duration of the increase of weight [s]: as given, but no faster than the column can follow."""
-        return max(self.scene.method.filling_time_s, SHORTEST_FILLING_PERIODS * self.period)
+        """Duration of the filling, without the rest after it [s]."""
+        return filling.duration(self)
+
+    @property
+    def flow_time(self) -> float:
+        """Duration of the flow, at most [s]."""
+        flow = self.scene.flow
+        if flow.outflow == "gravity":
+            return flow.longest_s
+        return flow.displacement_m / flow.speed_m_per_s + 0.5 * RAMP_PERIODS * self.period
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the walls beside left, right and bottom, in the order of a record's profile."""
+        return tuple(surface.name for surface in self.surfaces)
 
     def run(self):
         """Fill, settle and flow; yields a Record after each interval."""
@@ -193,52 +190,68 @@ class Simulation:
         yield from self.flow()
 
     def fill(self):
-        """Linear increase of weight, then rest until the wall force no longer changes."""
+        """Get the sand in, then rest until the wall force no longer changes."""
         self.stage = "filling"
-        g = self.gravity
-        duration = self.filling_time
-        count = math.ceil(duration / self.interval)
-        for number in range(count):
-            yield self._interval(duration / count, (g * number / count, g * (number + 1) / count), (0.0, 0.0))
-        recent = deque(maxlen=2 * self.rows_per_period)
-        longest = max(self.scene.method.longest_settling_s, LONGEST_SETTLING_PERIODS * self.period)
-        for _ in range(math.ceil(longest / self.interval)):
-            record = self._interval(self.interval, (g, g), (0.0, 0.0))
-            recent.append(record.normal_N_per_m)
-            yield record
-            still = max(recent) - min(recent) < SETTLED * max(recent)
-            self.settled = bool(still and len(recent) == recent.maxlen)
-            if self.settled:
-                break
+        yield from filling.fill(self)
 
     def flow(self):
-        """Lower the bottom: a smooth start over several periods, then constant speed."""
+        """Lower the bottom or the gate, or open the gate; yields a Record after each interval."""
         self.stage = "flow"
-        g, target = self.gravity, self.scene.flow.displacement_m
-        start = self.flow_start = self.time
+        self.flow_start = self.time
+        yield from self._fall() if self.scene.flow.outflow == "gravity" else self._sink()
+
+    def _sink(self):
+        """A smooth start over several periods, then constant speed."""
+        target = self.scene.flow.displacement_m
         while self.displacement < target * (1.0 - 1e-12):
             duration = self.interval
-            faster = self._speed(self.time + duration - start)
+            faster = self._speed(self.time + duration - self.flow_start)
             mean = 0.5 * (self.bottom_speed + faster)
             duration = min(duration, (target - self.displacement) / mean)
-            yield self._interval(duration, (g, g), (-self.bottom_speed, -faster))
+            yield self.advance(duration, plate_velocity=(-self.bottom_speed, -faster))
             self.bottom_speed = faster
+
+    def _fall(self):
+        """Free outflow until the flow has stopped, enough has left, or the time is over.
+
+        Of the noise control only the relaxation stays: the drag towards the recent mean would brake what accelerates.
+        """
+        scene, left_at = self.scene, self.time
+        if self.control.drag:
+            self.solver = self._solver(NoiseControl(relaxation=self.control.relaxation))
+        left, right = scene.silo.outlet_m
+        per_m = self.section.outlet_share(right - left) * self.density
+        reach = 0.5 * scene.grid.cell_size_m  # no sand may pass the exit by more within an interval
+        end = self.flow_start + scene.flow.longest_s
+        while self.time < end and self.particles.active[None] and self.time - left_at < AT_REST_S:
+            fastest = self.after.speed + self.gravity * self.interval
+            before = self.ledger.mass
+            yield self.advance(min(self.interval, reach / fastest), plate_velocity=(OPENED, OPENED))
+            if self.ledger.mass > before:
+                left_at = self.time
+            self.displacement = self.whole * self.ledger.mass / per_m
+            if self.displacement >= scene.flow.displacement_m:
+                return
 
     def _speed(self, since_start: float) -> float:
         part = min(since_start / (RAMP_PERIODS * self.period), 1.0)
         return self.scene.flow.speed_m_per_s * part * part * (3.0 - 2.0 * part)
 
-    def _interval(self, duration: float, gravity, plate_velocity) -> Record:
+    def advance(self, duration: float, gravity=None, plate_velocity=(0.0, 0.0), growth: float = 1.0) -> Record:
+        """Steps over an interval [s]; gravity and plate velocity, pairs, vary linearly from its start to its end.
+
+        `growth` is a factor of the time step, for intervals in which the stress grows.
+        """
         scene, solver = self.scene, self.solver
+        gravity = (self.gravity, self.gravity) if gravity is None else gravity
         before = self.after if self.seen == self.particles.loads else solver.survey()
-        # while the weight grows so does the wave speed: stiffness goes with a power of the stress, the law's degree
-        growth = (gravity[0] / gravity[1]) ** (0.5 * self.law.degree) if gravity[0] > 0.0 else FIRST_STEP
         step = scene.method.time_step(before, STEP_SAFETY) * (growth if scene.method.time_step_s is None else 1.0)
         steps = max(1, math.ceil(duration / step - 1e-9))
         dt = duration / steps
-        filling = self.control.filling_drag if self.stage == "filling" else 0.0
+        held = self.held_mass
+        drag = self.control.filling_drag if self.stage == "filling" else 0.0
         begun = time.perf_counter()
-        solver.advance(steps, dt, gravity, plate_velocity, filling)
+        solver.advance(steps, dt, gravity, plate_velocity, drag)
         reaction, control = solver.books.take()  # waits for the device
         self.stepping_seconds += time.perf_counter() - begun
         after = self.after = solver.survey()
@@ -246,11 +259,12 @@ class Simulation:
         if after.strays:
             raise RunFailed(self._astray(after.strays, dt))
         self.time += duration
-        self.displacement -= 0.5 * (plate_velocity[0] + plate_velocity[1]) * duration
         self.steps += steps
-        profile = (whole_profile(reaction, self.columns) if self.half else reaction) / duration
-        force = profile.sum(axis=1)
-        return Record(
+        if plate_velocity[0] > OPENED:
+            self.displacement -= 0.5 * (plate_velocity[0] + plate_velocity[1]) * duration
+        reaction = self._joined(reaction) / duration
+        force = self.section.forces(reaction).sum(axis=1)
+        record = Record(
             time_s=self.time,
             stage=self.stage,
             displacement_m=self.displacement,
@@ -260,30 +274,61 @@ class Simulation:
             left_shear_N_per_m=force[LEFT, 1],
             right_normal_N_per_m=-force[RIGHT, 0],
             right_shear_N_per_m=force[RIGHT, 1],
-            weight_N_per_m=self.mass * 0.5 * (gravity[0] + gravity[1]),
+            weight_N_per_m=held * 0.5 * (gravity[0] + gravity[1]),
             momentum_rate_N_per_m=self.whole * (after.momentum - before.momentum) / duration,
             control_N_per_m=self.whole * control[:, 1].sum() / duration,
             kinetic_energy_J_per_m=self.whole * after.kinetic_energy,
             time_step_s=dt,
             stable_step_s=after.stable_step,
             void_ratio_low=after.void_ratio_low,
-            separated=int(self.whole) * after.separated,
+            separated=int(self.points_per_computed) * after.separated,
             strays=after.strays,
             speed_m_per_s=after.speed,
-            profile=profile,
+            profile=self.section.profile(reaction),
+            discharged_kg_per_m=self._settle(),
+            bodies_N_per_m=dict(zip(self.bodies, force[BODIES:].tolist(), strict=True)),
         )
+        return record
+
+    def _joined(self, reaction: np.ndarray) -> np.ndarray:
+        """Impulses (left, right, bottom, bodies): those of a gate are the bottom's."""
+        first = len(self.walls)
+        return np.concatenate([reaction[:BOTTOM], reaction[BOTTOM:first].sum(axis=0)[None], reaction[first:]])
+
+    def _settle(self) -> float:
+        """Take out what has passed the exit; all that has left since the start [kg/m]."""
+        if self.ledger is None:
+            return 0.0
+        kept = self.ledger.settle()
+        if kept is not None:
+            self.identity = self.identity[kept]
+        return self.whole * self.ledger.mass
 
     # --- state ----------------------------------------------------------------------------------------------------
 
+    @property
+    def points_per_computed(self) -> int:
+        """How many points of the whole silo one that is computed stands for."""
+        return 2 if self.half or self.section.round else 1
+
+    @property
+    def origin_m(self) -> float:
+        """Height of the grid's origin in the laboratory [m]."""
+        return -self.displacement if self.scene.silo.sinks else 0.0
+
     def points(self) -> dict[str, np.ndarray]:
-        """All fields of the points as arrays, `position` in the laboratory, and `void_ratio`; of the whole silo."""
-        own = self._computed()
-        return whole_points(own, self.scene.silo.width_m) if self.half else own
+        """All fields of the points of the whole silo as arrays.
+
+        `position` is in the laboratory; `void_ratio`; `identity`, by which a point is found again in another state.
+        Masses and volumes are per metre run, in a round silo of the point's own girth.
+        """
+        return self.section.points(self._computed(), self.scene.silo.width_m)
 
     def _computed(self) -> dict[str, np.ndarray]:
         arrays = self.particles.arrays()
-        arrays["position"] = arrays["position"] - np.array([0.0, self.displacement])
+        arrays["position"] = arrays["position"] + np.array([0.0, self.origin_m])
         arrays["void_ratio"] = arrays["volume"] * self.law.grain_density / arrays["mass"] - 1.0
+        arrays["identity"] = self.identity
         return arrays
 
     def _astray(self, count: int, dt: float) -> str:
@@ -291,12 +336,11 @@ class Simulation:
         first = int(np.argmin(self._within(points, self.width)))
         x, y = points["position"][first]
         if not np.isfinite(x + y):  # where it is cannot be said, but where it was filled in
-            across = round(self.width / self.spacing)
-            x, y = (first % across + 0.5) * self.spacing, (first // across + 0.5) * self.spacing
+            x, y = self.fill_state["position"][self.identity[first]]
         return (
             f"after t = {self.time:.4f} s ({self.stage}, u = {1e3 * self.displacement:.3f} mm) {count} points left the "
-            f"silo or are not finite, one near x = {1e3 * x:.1f} mm, y = {1e3 * y:.1f} mm; a time step too large is "
-            f"the likely cause (it was {1e6 * dt:.1f} us)"
+            f"silo or are not finite, one near x = {1e3 * (x + self.section.shift):.1f} mm, y = {1e3 * y:.1f} mm; a "
+            f"time step too large is the likely cause (it was {1e6 * dt:.1f} us)"
         )
 
     def inside(self, points: dict[str, np.ndarray]) -> np.ndarray:
@@ -304,7 +348,6 @@ class Simulation:
         return self._within(points, self.scene.silo.width_m)
 
     def _within(self, points: dict[str, np.ndarray], width_m: float) -> np.ndarray:
-        grid = self.solver.grid
-        place = points["position"] + np.array([0.0, self.displacement])
-        top = np.array([width_m + grid.cell_size, (grid.rows - 2 * MARGIN) * grid.cell_size])
-        return ((place > -grid.cell_size) & (place < top)).all(axis=1) & np.isfinite(points["stress"]).all(axis=1)
+        place = points["position"] - np.array([0.0, self.origin_m])
+        top = np.array([width_m + self.grid.cell_size, (self.grid.rows - 2 * MARGIN) * self.grid.cell_size])
+        return ((place > -self.grid.cell_size) & (place < top)).all(axis=1) & np.isfinite(points["stress"]).all(axis=1)

@@ -31,6 +31,7 @@ from taichi_silo.runtime import real
 from taichi_silo.survey import Survey
 from taichi_silo.tensors import norm
 from taichi_silo.transfers import Flip
+from taichi_silo.walls.surfaces import NoSurfaces, Surfaces
 
 STRESS_UPDATES = ("last", "first", "modified")
 
@@ -93,6 +94,7 @@ class Solver(Loops):
         et al. 1995).
     filtering : a class of `taichi_silo.filters`, or None.
     shared : see `Loops`; None chooses.
+    surfaces : walls of `taichi_silo.walls.surfaces` that do not follow the grid.
     lanes : whether eight points go at once (see lanes.py); None: wherever that is possible and proved (proof.py).
 
     """
@@ -100,7 +102,7 @@ class Solver(Loops):
     def __init__(
         self, particles: Particles, grid: Grid, shape, law, walls=(), control: NoiseControl | None = None,
         down=(0.0, -1.0), averaging=None, setting: Setting | None = None, shared: bool | None = None,
-        transfer=None, stress_update: str = "last", filtering=None, lanes: bool | None = None,
+        transfer=None, stress_update: str = "last", filtering=None, lanes: bool | None = None, surfaces=(),
     ):  # fmt: skip
         self.particles, self.grid, self.shape, self.law = particles, grid, shape, law
         self.walls, self.control = tuple(walls), control or NoiseControl()
@@ -111,8 +113,13 @@ class Solver(Loops):
         self.down = float(down[0]), float(down[1])
         self.stress_update = stress_update
         super().__init__(shared)
-        self.phases = tuple((number, *phase) for number, phase in enumerate(self.program(stress_update)))
-        self.books = Books(len(self.walls), grid)
+        self.surfaces = NoSurfaces()
+        if surfaces:
+            density = float(particles.mass[0] / particles.volume[0])
+            self.surfaces = Surfaces(surfaces, grid, density, len(self.walls), self.setting.geometry.depth)
+        phases = self._with_surfaces(self.program(stress_update))
+        self.phases = tuple((number, *phase) for number, phase in enumerate(phases))
+        self.books = Books(len(self.walls) + len(surfaces), grid)
         self.stable_fraction = shape.stable_fraction
         self.surveyor = Survey(particles, grid, law, self.shared)
         hindrance = Lanes.why_not(self)
@@ -161,6 +168,13 @@ class Solver(Loops):
             *then,
         ]
 
+    def _with_surfaces(self, phases: list[tuple]) -> list[tuple]:
+        """The phases, with that of the surfaces after the nodes have moved."""
+        if not self.surfaces.ACTIVE:
+            return phases
+        moved = max(number for number, phase in enumerate(phases) if phase[1] == self._integrate) + 1
+        return [*phases[:moved], (NODES, self._press, None), *phases[moved:]]
+
     def advance(self, steps: int, dt: float, gravity=(0.0, 0.0), plate_velocity=(0.0, 0.0), filling_drag=0.0) -> None:
         """Do `steps` steps of `dt` seconds.
 
@@ -206,7 +220,16 @@ class Solver(Loops):
     @ti.func
     def _integrate(self, i, j, step, what: ti.template(), shared: ti.template()):
         """Equation of motion of a node, noise control, walls."""
-        integrate_node(self.grid, self.walls, self.control, self.books, self.down, i, j, step, what == "last", shared)
+        integrate_node(
+            self.grid, self.walls, self.surfaces, self.control, self.books, self.down, i, j, step, what == "last",
+            shared,
+        )  # fmt: skip
+
+    @ti.func
+    def _press(self, i, j, step, option: ti.template(), shared: ti.template()):
+        """New tractions of the surfaces."""
+        if i == 0:
+            self.surfaces.press_row(j, step.dt)
 
     @ti.func
     def _send_back(self, p, t, step, option: ti.template(), shared: ti.template()):

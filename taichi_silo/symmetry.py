@@ -34,6 +34,8 @@ def half_model(scene) -> tuple[bool, str]:
     obstacle = _obstacle(scene)
     if scene.silo.half == "yes" and obstacle:
         raise ValueError(f"half is yes; {obstacle}, so it must be auto or no")
+    if scene.silo.section == "round":
+        return False, f"The section from axis to wall is computed: {scene.points // 2} of {scene.points} points."
     points = f"{scene.points // 2} of {scene.points} points"
     if scene.silo.half == "no":
         return False, f"The whole silo is computed, as asked for: {scene.points} points."
@@ -46,6 +48,8 @@ def half_model(scene) -> tuple[bool, str]:
             "The whole silo is computed: shear zones at very rough walls amplify round-off, and P, T, N of half and "
             f"whole differ by up to {100.0 * SCATTER:.2g} % of the weight."
         )
+    if not scene.silo.sinks:
+        return False, "The whole silo is computed: flow to an outlet need not be symmetric, though silo and sand are."
     slenderness = scene.silo.height_m / scene.silo.width_m
     if slenderness > SLENDER:
         return False, (
@@ -57,7 +61,14 @@ def half_model(scene) -> tuple[bool, str]:
 
 def _obstacle(scene) -> str:
     """Why a half, made by this method, would not be the half of the whole; empty if nothing stands against it."""
-    cells = round(scene.silo.width_m / scene.grid.cell_size_m)
+    silo = scene.silo
+    if silo.section == "round":
+        return "the section of a round silo is half of it already"
+    if silo.outlet is not None and silo.outlet.position != "centre":
+        return f"the outlet stands at the {silo.outlet.position} wall"
+    if silo.hopper is not None or silo.inserts:
+        return "hoppers and inserts are computed whole"
+    cells = round(silo.width_m / scene.grid.cell_size_m)
     if cells % 2 or cells < FEWEST_CELLS:
         return f"{cells} cells across have no half (an even number of at least {FEWEST_CELLS} has)"
     kernel, _ = scene.averaging.kernel(scene.sand, scene.spacing_m)
@@ -74,6 +85,8 @@ def whole_points(half: dict[str, np.ndarray], width_m: float) -> dict[str, np.nd
     for name, values in half.items():
         if name == "position":
             image = np.array([width_m, 0.0]) + values * (-1.0, 1.0)
+        elif name == "identity":
+            image = -1 - values
         else:
             image = values * SIGNS.get(name, 1.0)
         whole[name] = np.concatenate([values, image])

@@ -7,7 +7,7 @@ import numpy as np
 
 from taichi_silo.grid import MARGIN
 from taichi_silo.observers import Observer
-from taichi_silo.simulation import BOTTOM, LEFT, RIGHT
+from taichi_silo.placing import BOTTOM, LEFT, RIGHT
 
 BLOCK_PERIODS = 5  # of the column, whose mean makes a flow profile
 

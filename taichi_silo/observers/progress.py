@@ -8,7 +8,6 @@ from rich.progress import BarColumn, Progress, TextColumn
 
 from taichi_silo.cost import predict
 from taichi_silo.observers import Observer
-from taichi_silo.simulation import RAMP_PERIODS
 
 LINE_EVERY = 0.1  # of the run, where no terminal shows a moving line
 SMOOTHING = 0.05  # of the forces shown
@@ -22,7 +21,6 @@ class ProgressLine(Observer):
 
     def begin(self, simulation) -> None:
         """Say what it will cost, and estimate the whole in simulated seconds."""
-        scene = simulation.scene
         self.console.print(simulation.about_averaging, highlight=False, soft_wrap=True)
         self.simulation, self.told = simulation, 0
         self._warn()
@@ -32,11 +30,7 @@ class ProgressLine(Observer):
             f"{cost.points:,} points, about {cost.steps:,} steps: some {_clock(seconds)} minutes of stepping",
             highlight=False, soft_wrap=True,
         )  # fmt: skip
-        ramp = 0.5 * RAMP_PERIODS * simulation.period
-        self.total = (
-            simulation.filling_time + 5.0 * simulation.period + ramp
-            + scene.flow.displacement_m / scene.flow.speed_m_per_s
-        )  # fmt: skip
+        self.total = simulation.filling_time + 5.0 * simulation.period + simulation.flow_time
         self.begun, self.printed, self.forces, self.text = time.monotonic(), 0.0, None, ""
         self.bar = None
         if self.console.is_terminal:

@@ -1,7 +1,6 @@
 """A silo that empties by gravity: through an outlet until the flow stops, or through its whole bottom."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from taichi_silo.shapes import SHAPES
 from taichi_silo.solver import Solver
 from taichi_silo.stability.bodies import block, change
 from taichi_silo.transfers import Flip
-from taichi_silo.walls import Coulomb, PlaneWall
+from taichi_silo.walls import Coulomb, OpenFloor, PlaneWall
 
 G = 9.81
 BELOW = 4  # cells under the floor, where the sand falls before it is taken out
@@ -66,7 +65,7 @@ def empty(
     # the drag towards the recent mean would brake what now accelerates: of the control only the relaxation stays
     centre = MARGIN + round(0.5 * width / cell)
     half = round(0.5 * (outlet_m or 0.0) / cell)
-    opened = () if outlet_m is None else (replace(floor, opening=(centre - half, centre + half)),)
+    opened = () if outlet_m is None else (OpenFloor(floor_node, centre - half, centre + half, floor.contact),)
     body = Solver(particles, grid, shape, law, (*sides, *opened), NoiseControl(relaxation=control.relaxation))
     ledger = Ledger(particles, exit_m=cell)
     first = float(particles.arrays()["mass"].sum())
@@ -74,7 +73,7 @@ def empty(
     while time < longest and particles.active[None] and time - last < 0.5:
         drive(body, STEP_S, gravity=(G, G))
         time += STEP_S
-        if ledger.settle() > 0.0:
+        if ledger.settle() is not None:
             last = time
         for part in (0.1, 0.5):
             if ledger.mass > part * first:

@@ -1,6 +1,16 @@
-"""Walls: `planes` says where a wall is, `coulomb` how it acts."""
+"""Walls: `planes` and `outlets` hold nodes, `surfaces` press on the sand from anywhere; `coulomb` says how.
+
+The contract of a wall that holds nodes, a frozen dataclass with `name`, `contact` (see coulomb.py) and `motion` (its
+velocity as a multiple, along x and y, of the plate velocity of the step):
+
+`holds(i, j)`   whether it holds node (i, j)
+`normal(i, j)`  unit normal (x, y) out of the sand there
+`slot(i, j)`    where along the wall the reaction of the node is booked
+"""
 
 from taichi_silo.walls.coulomb import Coulomb, Glide, Grip, NoSlip
+from taichi_silo.walls.outlets import Gate, OpenFloor
 from taichi_silo.walls.planes import Pin, PlaneWall
+from taichi_silo.walls.surfaces import Surface
 
-__all__ = ["Coulomb", "Glide", "Grip", "NoSlip", "Pin", "PlaneWall"]
+__all__ = ["Coulomb", "Gate", "Glide", "Grip", "NoSlip", "OpenFloor", "Pin", "PlaneWall", "Surface"]

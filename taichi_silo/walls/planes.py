@@ -19,8 +19,7 @@ class PlaneWall:
     node : index of the grid line along `axis`.
     contact : how it acts.
     motion : its velocity as a multiple, along x and y, of the plate velocity of the step; (0, 0) stands still.
-    opening : nodes along the wall, the first and the last, between which it is open; the wall is then a plate one cell
-        thick. The two nodes themselves are its edges and hold.
+    lowest : of a wall at constant x, the row of nodes at which it begins (above a hopper).
 
     """
 
@@ -30,12 +29,7 @@ class PlaneWall:
     node: int
     contact: Coulomb | NoSlip | Glide | Grip
     motion: tuple[float, float] = (0.0, 0.0)
-    opening: tuple[int, int] | None = None
-
-    @property
-    def partial(self) -> bool:
-        """Whether it has an opening."""
-        return self.opening is not None
+    lowest: int = 0
 
     @ti.func
     def holds(self, i, j):
@@ -43,9 +37,8 @@ class PlaneWall:
         place = ti.select(self.axis == 0, i, j)
         beyond = (place - self.node) * self.side
         held = beyond >= 0
-        if ti.static(self.partial):
-            along = self.slot(i, j)
-            held = held and beyond <= 1 and (along <= self.opening[0] or along >= self.opening[1])
+        if ti.static(self.lowest > 0):
+            held = held and j >= self.lowest
         return held
 
     @ti.func
@@ -54,7 +47,7 @@ class PlaneWall:
         return ti.select(self.axis == 0, j, i)
 
     @ti.func
-    def normal(self):
+    def normal(self, i, j):
         """Unit normal out of the sand."""
         across = 1.0 if self.axis == 0 else 0.0
         return across * self.side, (1.0 - across) * self.side
@@ -87,6 +80,6 @@ class Pin:
         return 0 * i
 
     @ti.func
-    def normal(self):
+    def normal(self, i, j):
         """Along x."""
         return 1.0, 0.0

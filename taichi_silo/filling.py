@@ -1,0 +1,98 @@
+"""How the sand gets into the silo: its weight grows, or it comes in layers, or as rain.
+
+Each way is a generator of records over a simulation; `fill` ends with a rest until the wall force no longer changes.
+"""
+
+import math
+from collections import deque
+
+import numpy as np
+
+from taichi_silo.placing import load
+
+SHORTEST_PERIODS = 12  # the weight must not grow faster than the column can follow
+LONGEST_SETTLING_PERIODS = 20  # at least
+SETTLED = 2e-4  # relative change of the wall force over two periods that counts as rest
+FIRST_STEP = 0.2  # of the stable step of unstressed sand: in the first interval the stress grows a thousandfold
+LAYER_PERIODS = 1.0  # of the whole column, between two layers
+RISE_PERIODS = 60.0  # of the whole column, that rain takes
+
+
+def duration(simulation) -> float:
+    """Of the filling, without the rest after it [s]."""
+    scene, period = simulation.scene, simulation.period
+    if scene.filling.kind == "layers":
+        return scene.filling.layers * LAYER_PERIODS * period
+    if scene.filling.kind == "rain":
+        fall = math.sqrt(2.0 * scene.filling.drop_m / simulation.gravity)
+        return RISE_PERIODS * period + fall
+    return max(scene.method.filling_time_s, SHORTEST_PERIODS * period)
+
+
+def fill(simulation):
+    """Fill and settle; yields a Record after each interval."""
+    way = {"gravity-ramp": gravity_ramp, "layers": layers, "rain": rain}[simulation.scene.filling.kind]
+    yield from way(simulation)
+    yield from settle(simulation)
+
+
+def gravity_ramp(simulation):
+    """All sand is there; its weight grows linearly."""
+    g, whole = simulation.gravity, duration(simulation)
+    count = math.ceil(whole / simulation.interval)
+    for number in range(count):
+        low, high = g * number / count, g * (number + 1) / count
+        # while the weight grows so does the wave speed: stiffness goes with a power of the stress, the law's degree
+        growth = (low / high) ** (0.5 * simulation.law.degree) if number else FIRST_STEP
+        yield simulation.advance(whole / count, (low, high), growth=growth)
+
+
+def layers(simulation):
+    """One layer after the other, without stress at first, each with its whole weight at once."""
+    height = simulation.fill_state["position"][:, 1]
+    count = simulation.scene.filling.layers
+    number = np.minimum((height / (height.max() + 1e-9) * count).astype(int), count - 1)
+    pause = LAYER_PERIODS * simulation.period
+    yield from _portions(simulation, number, pause, 0.0)
+
+
+def rain(simulation):
+    """Row after row falls from a height onto the sand that is there."""
+    height = simulation.fill_state["position"][:, 1]
+    rows = np.unique(np.round(height / simulation.spacing, 6))
+    number = np.searchsorted(rows, np.round(height / simulation.spacing, 6))
+    drop = simulation.scene.filling.drop_m
+    yield from _portions(simulation, number, RISE_PERIODS * simulation.period / len(rows), drop)
+    fall = math.sqrt(2.0 * drop / simulation.gravity)
+    for _ in range(math.ceil(fall / simulation.interval)):
+        yield simulation.advance(simulation.interval)
+
+
+def _portions(simulation, number: np.ndarray, pause: float, above: float):
+    """The portions of the fill, numbered by point, one after the other, so far above their place [m]."""
+    particles, fill_state = simulation.particles, simulation.fill_state
+    intervals = max(1, math.ceil(pause / simulation.interval - 1e-9))
+    for portion in range(int(number.max()) + 1):
+        new = {name: values[number == portion] for name, values in fill_state.items()}
+        new["position"] = new["position"] + (0.0, above)
+        there = particles.arrays() if portion else {name: values[:0] for name, values in fill_state.items()}
+        if "affine" in there:
+            new["affine"] = np.zeros((len(new["mass"]), 4))
+        load(particles, {name: np.concatenate([there[name], new[name]]) for name in there})
+        simulation.identity = np.flatnonzero(number <= portion)[np.argsort(number[number <= portion], kind="stable")]
+        for part in range(intervals):
+            yield simulation.advance(pause / intervals, growth=FIRST_STEP if portion + part == 0 else 1.0)
+
+
+def settle(simulation):
+    """Rest until the wall force no longer changes."""
+    recent = deque(maxlen=2 * simulation.rows_per_period)
+    longest = max(simulation.scene.method.longest_settling_s, LONGEST_SETTLING_PERIODS * simulation.period)
+    for _ in range(math.ceil(longest / simulation.interval)):
+        record = simulation.advance(simulation.interval)
+        recent.append(record.normal_N_per_m)
+        yield record
+        still = max(recent) - min(recent) < SETTLED * max(recent)
+        simulation.settled = bool(still and len(recent) == recent.maxlen)
+        if simulation.settled:
+            break
