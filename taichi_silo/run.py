@@ -49,12 +49,13 @@ def run(scene: Scene, folder: Path, *, overwrite: bool = False, film: bool = Tru
     folder = run_folder.claim(folder, overwrite)
     begun = time.time()
     simulation = Simulation(scene)
-    summary = Summary(folder / "summary.json", folder / "walls.csv")
+    profiles = WallProfiles(folder / "walls.csv")
+    summary = Summary(folder / "summary.json", profiles)
     wanted = {u for u in FIGURE_DISPLACEMENTS_M if u < scene.flow.displacement_m}
     observers: list[Observer] = [
-        Table(folder / "forces.csv", FORCES),
+        Table(folder / "forces.csv", FORCES, bodies=True),
         Table(folder / "balance.csv", BALANCE),
-        WallProfiles(folder / "walls.csv"),
+        profiles,
         Snapshots(folder, wanted | {scene.flow.displacement_m}),
         Checkpoint(folder / "checkpoint.npz"),
         summary,

@@ -75,11 +75,31 @@ def blend(image: np.ndarray, coverage: np.ndarray, colour: tuple[int, int, int])
     image[...] = np.rint(image * (1 - weight) + weight * np.asarray(colour, np.float32)).astype(np.uint8)
 
 
+class Course(NamedTuple):
+    """What the curves are drawn against.
+
+    Attributes
+    ----------
+    end : where the axis ends, in its own SI unit (m or s).
+    label, caption : of the axis and of the reading.
+    unit, scale, digits : shown unit, its number in an SI unit, decimals of the reading.
+
+    """
+
+    end: float
+    label: str = "bottom displacement u (mm)"
+    caption: str = "displacement u"
+    unit: str = "mm"
+    scale: float = 1e3
+    digits: int = 2
+
+
 class Canvas:
     """Lays out a 1920x1080 page for one silo and keeps its force curves; lengths in m, forces in N/m.
 
     `panel` is the Box where the sand goes: exactly wall to wall, its top row at height `top_m`, the same
-    `pixels_per_metre` along both axes, and deep enough for the bottom plate at the final displacement.
+    `pixels_per_metre` along both axes, and deep enough for the bottom plate when it has sunk by `sinks_m` (the final
+    displacement if absent).
     """
 
     def __init__(
@@ -90,12 +110,14 @@ class Canvas:
         weight_N_per_m: float,
         void_ratio_range: tuple[float, float],
         title: str,
+        course: Course | None = None,
+        sinks_m: float | None = None,
     ):
-        self.displacement_m = displacement_m
+        self.course = course or Course(displacement_m)
         self.top_force = 1.1 * weight_N_per_m
         self.plate_m = 0.02 * max(height_m, width_m)
         self.top_m = 1.015 * height_m
-        depth = self.top_m + displacement_m + self.plate_m
+        depth = self.top_m + (displacement_m if sinks_m is None else sinks_m) + self.plate_m
         columns = max(1, round(width_m * min(870 / depth, 480 / width_m)))
         self.pixels_per_metre = columns / width_m
         rows = max(1, round(depth * self.pixels_per_metre))
@@ -144,8 +166,8 @@ class Canvas:
             bar.ax.text(0.5, height, word, transform=bar.ax.transAxes, fontsize=26, ha="center", va=align)
 
         forces = figure.add_axes(plot.fractions)
-        forces.set(xlim=(0, 1e3 * self.displacement_m), ylim=(0, 1e-3 * self.top_force))
-        forces.set_xlabel("bottom displacement u (mm)", fontsize=28, color=ink)
+        forces.set(xlim=(0, self.course.scale * self.course.end), ylim=(0, 1e-3 * self.top_force))
+        forces.set_xlabel(self.course.label, fontsize=28, color=ink)
         forces.set_ylabel("force per metre (kN/m)", fontsize=30, color=ink, labelpad=12)
         forces.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
         forces.grid(color="#e4e4e4", linewidth=2)
@@ -174,7 +196,7 @@ class Canvas:
             size -= 1
         draw.text((60, 50), title, INK, font(size, bold=True), anchor="lm")
         self._readings = [(x, y) for y in (166, 266) for x in self._columns()]
-        captions = [("stage", GREY), ("time", GREY), ("displacement u", GREY)]
+        captions = [("stage", GREY), ("time", GREY), (self.course.caption, GREY)]
         captions += [(f"{letter}  {name}", colour) for letter, name, colour in FORCES]
         for (x, y), (caption, colour) in zip(self._readings, captions, strict=True):
             draw.text((x, y - 40), caption, colour, font(27), anchor="ls")
@@ -184,20 +206,20 @@ class Canvas:
         """Left ends of the three columns of readings, pixels."""
         return [self.plot.left + round(k * (RIGHT - self.plot.left) / 3) for k in range(3)]
 
-    def add_forces(self, displacement_m: float, forces_N_per_m: np.ndarray) -> None:
-        """Extend the three curves to a new row: P, T, N, shape (3,), N/m, at a displacement in m.
+    def add_forces(self, progress: float, forces_N_per_m: np.ndarray) -> None:
+        """Extend the three curves to a new row: P, T, N, shape (3,), N/m, at a place of the course (m or s).
 
-        Up to displacement 0 the points only move. Steps under a pixel wait until they add up to one.
+        Up to 0 the points only move. Steps under a pixel wait until they add up to one.
         """
         forces = np.asarray(forces_N_per_m, dtype=float)
-        if not (np.isfinite(displacement_m) and np.isfinite(forces).all()):
+        if not (np.isfinite(progress) and np.isfinite(forces).all()):
             return
-        x = (self.plot.columns - 1) * max(displacement_m, 0.0) / self.displacement_m
+        x = (self.plot.columns - 1) * max(progress, 0.0) / self.course.end
         y = (self.plot.rows - 1) * (1.0 - forces / self.top_force)
         # far outside the axes a curve runs along just beyond their edge
         y = np.clip(y, -50, self.plot.rows + 50)
         self._forces, self._tip = forces, np.stack((np.full(3, x), y), axis=1)
-        if self._drawn is None or displacement_m <= 0.0:
+        if self._drawn is None or progress <= 0.0:
             self._drawn = self._tip.copy()
             return
         for k in np.flatnonzero(np.hypot(*(self._tip - self._drawn).T) >= 1.0):
@@ -211,10 +233,11 @@ class Canvas:
                 blend(view, coverage[window], colour)
             self._drawn[k] = self._tip[k]
 
-    def page(self, time_s: float, stage: str, displacement_m: float) -> np.ndarray:
+    def page(self, time_s: float, stage: str, progress: float) -> np.ndarray:
         """Return a new frame (1080, 1920, 3) of bytes, all but the sand; time in s, displacement in m."""
         frame = self.background.copy()
-        texts = [stage, f"{time_s:.3f} s", f"{1e3 * displacement_m:.2f} mm"]
+        course = self.course
+        texts = [stage, f"{time_s:.3f} s", f"{course.scale * progress:.{course.digits}f} {course.unit}"]
         for force in self._forces:
             texts.append(f"{1e-3 * force:.{self._decimals}f} kN/m" if np.isfinite(force) else "–")
         corner, opposite = (self.plot.left, 130), (WIDTH, 280)

@@ -9,8 +9,9 @@ import imageio_ffmpeg
 import matplotlib
 import numpy as np
 import taichi as ti
+from PIL import Image, ImageDraw
 
-from taichi_silo.observers.canvas import COLOUR_MAP, HEIGHT, INK, WIDTH, Canvas
+from taichi_silo.observers.canvas import COLOUR_MAP, HEIGHT, INK, WIDTH, Canvas, Course
 
 REACH = 0.75  # a point colours what lies within this many spacings of it, in x and in y
 SAMPLES = 2  # samples per pixel along each axis
@@ -40,9 +41,13 @@ class SandRaster:
         Height of the upper edge of row 0, m.
     spacing_m : float
         Nominal spacing of the points, m.
+    solids : list of ndarray
+        Outlines (n, 2) of what stands still and covers the sand, m.
     """
 
-    def __init__(self, columns: int, rows: int, pixels_per_metre: float, top_m: float, spacing_m: float):
+    def __init__(
+        self, columns: int, rows: int, pixels_per_metre: float, top_m: float, spacing_m: float, solids=()
+    ):  # fmt: skip
         self.columns, self.rows = columns, rows
         self.samples_per_metre = SAMPLES * pixels_per_metre
         self.top_m = top_m
@@ -53,6 +58,12 @@ class SandRaster:
         colours = np.rint(255 * matplotlib.colormaps[COLOUR_MAP](np.linspace(0, 1, COLOURS))[:, :3])
         self.table.from_numpy(np.vstack((colours, BACKGROUND, INK)).astype(np.int32))
         self.image = np.zeros((rows, columns, 3), np.uint8)
+        mask = Image.new("1", (SAMPLES * columns, SAMPLES * rows))
+        for outline in solids:
+            x, y = outline[:, 0] * self.samples_per_metre, (top_m - outline[:, 1]) * self.samples_per_metre
+            ImageDraw.Draw(mask).polygon([*zip(x.tolist(), y.tolist(), strict=True)], fill=1)
+        self.solid = ti.field(ti.i8, shape=self.nearest.shape)
+        self.solid.from_numpy(np.asarray(mask).astype(np.int8))
 
     def draw(self, position: np.ndarray, level: np.ndarray, plate_top_m: float, plate_bottom_m: float) -> np.ndarray:
         """Return the image (rows, columns, 3) of bytes, valid until the next call.
@@ -97,7 +108,9 @@ class SandRaster:
                 key = self.nearest[row, column]
                 self.nearest[row, column] = ti.i64(UNCLAIMED)
                 entry = EMPTY
-                if row + 0.5 >= top:
+                if self.solid[row, column] > 0:
+                    entry = PLATE
+                elif row + 0.5 >= top:
                     if row + 0.5 < bottom:
                         entry = PLATE
                 elif key < ti.i64(UNCLAIMED):
@@ -195,6 +208,10 @@ class Film:
         One line above the picture.
     frames_per_second : int
         Frame rate.
+    course : Course
+        What the curves are drawn against; the displacement if absent.
+    solids : list of ndarray
+        Outlines (n, 2) of what stands still, a floor among them, m; None: a bottom plate sinks.
 
     Raises
     ------
@@ -214,23 +231,31 @@ class Film:
         void_ratio_range: tuple[float, float],
         title: str,
         frames_per_second: int = 30,
+        course: Course | None = None,
+        solids: list | None = None,
     ):
         if not min(width_m, height_m, displacement_m, spacing_m, weight_N_per_m, frames_per_second) > 0:
             raise ValueError("width, height, displacement, spacing, weight and frame rate must be positive")
         if not void_ratio_range[0] < void_ratio_range[1]:
             raise ValueError(f"void_ratio_range must increase, got {void_ratio_range}")
         self.void_ratio_range = void_ratio_range
-        self.canvas = Canvas(width_m, height_m, displacement_m, weight_N_per_m, void_ratio_range, title)
+        self.sinks = solids is None
+        self.canvas = Canvas(
+            width_m, height_m, displacement_m, weight_N_per_m, void_ratio_range, title, course,
+            None if self.sinks else 0.0,
+        )  # fmt: skip
         panel = self.canvas.panel
-        self.raster = SandRaster(panel.columns, panel.rows, self.canvas.pixels_per_metre, self.canvas.top_m, spacing_m)
+        self.raster = SandRaster(
+            panel.columns, panel.rows, self.canvas.pixels_per_metre, self.canvas.top_m, spacing_m, solids or ()
+        )
         self._encoder = Encoder(Path(path), frames_per_second)
 
     def add_forces(
         self, displacement_m: float, bottom_N_per_m: float, shear_N_per_m: float, normal_N_per_m: float
     ) -> None:
-        """Extend the force curves by one row: forces in N/m (walls: mean of both), displacement in m.
+        """Extend the force curves by one row: forces in N/m (walls: mean of both), displacement in m (or course).
 
-        At displacement 0 (filling) the points only move along u = 0; rows that are not finite are left out.
+        At 0 (filling) the points only move along u = 0; rows that are not finite are left out.
         """
         self.canvas.add_forces(displacement_m, np.array([bottom_N_per_m, shear_N_per_m, normal_N_per_m]))
 
@@ -256,7 +281,7 @@ class Film:
         stage : str
             "filling" or "flow".
         displacement_m : float
-            Downward displacement of the bottom plate, m.
+            Downward displacement of the bottom plate, m; with a course of its own, the place on that.
 
         Raises
         ------
@@ -271,7 +296,7 @@ class Film:
         finite = np.isfinite(position).all(axis=1) & np.isfinite(void_ratio)
         low, high = self.void_ratio_range
         level = np.rint((COLOURS - 1) * np.clip((void_ratio[finite] - low) / (high - low), 0.0, 1.0))
-        plate_top = -displacement_m
+        plate_top = -displacement_m if self.sinks else -10.0 * self.canvas.top_m
         sand = self.raster.draw(position[finite], level, plate_top, plate_top - self.canvas.plate_m)
         frame = self.canvas.page(time_s, stage, displacement_m)
         frame[self.canvas.panel.slices] = sand

@@ -16,7 +16,7 @@ FORCES = {
     "right_shear_N_per_m": lambda r: r.right_shear_N_per_m,
     "wall_friction_angle_deg": lambda r: r.wall_friction_angle_deg,
     "weight_N_per_m": lambda r: r.weight_N_per_m,
-    "discharged_kg_per_m": lambda r: 0.0,
+    "discharged_kg_per_m": lambda r: r.discharged_kg_per_m,
     "kinetic_energy_J_per_m": lambda r: r.kinetic_energy_J_per_m,
 }
 # bottom + shears = weight + momentum_rate - control (+ residual), in every row
@@ -31,14 +31,34 @@ BALANCE = {
 }
 
 
-class Table(Observer):
-    """One row of a CSV file for each record; on disk as soon as it is known."""
+def of_bodies(names) -> dict:
+    """Columns of hopper walls and inserts: force on the sand to the right, and upwards."""
+    axes = ("horizontal", "vertical")
+    return {
+        f"{name}_{axis}_N_per_m": lambda r, name=name, k=k: r.bodies_N_per_m[name][k]
+        for name in names
+        for k, axis in enumerate(axes)
+    }
 
-    def __init__(self, file: Path, columns: dict):
-        self.file, self.columns = file, columns
+
+class Table(Observer):
+    """One row of a CSV file for each record; on disk as soon as it is known.
+
+    Parameters
+    ----------
+    file : where to.
+    columns : name and function of a record.
+    bodies : whether columns of hopper walls and inserts follow.
+
+    """
+
+    def __init__(self, file: Path, columns: dict, bodies: bool = False):
+        self.file, self.columns, self.bodies = file, columns, bodies
 
     def begin(self, simulation) -> None:
         """Write the head."""
+        if self.bodies:
+            self.columns = self.columns | of_bodies(simulation.bodies)
         self.stream = open(self.file, "w", newline="", buffering=1)  # noqa: SIM115 - closed in end()
         self.writer = csv.writer(self.stream)
         self.writer.writerow(self.columns)

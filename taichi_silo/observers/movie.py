@@ -2,7 +2,10 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from taichi_silo.observers import Observer
+from taichi_silo.observers.canvas import Course
 from taichi_silo.observers.film import Film
 
 FRAMES_PER_SECOND = 30
@@ -21,6 +24,7 @@ class Movie(Observer):
         settling = 10.0 * simulation.period  # an estimate; a longer rest adds no frames
         self.filling_span = simulation.filling_time + settling
         self.drawn = {"filling": 0, "flow": 0}
+        self.course = course(scene)
         self.film = Film(
             self.file,
             width_m=scene.silo.width_m,
@@ -31,31 +35,53 @@ class Movie(Observer):
             void_ratio_range=void_ratio_range(scene),
             title=title(scene),
             frames_per_second=FRAMES_PER_SECOND,
+            course=self.course,
+            solids=None if scene.silo.sinks else floors(scene.silo) + scene.silo.solids(),
         )
 
     def observe(self, record) -> None:
         """Extend the curves, and draw when a frame is due."""
-        self.film.add_forces(record.displacement_m, record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
+        progress = self._progress(record)
+        self.film.add_forces(progress, record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
         flowing = record.stage == "flow"
         frames = FLOW_FRAMES if flowing else FILLING_FRAMES
-        part = (
-            record.displacement_m / self.simulation.scene.flow.displacement_m
-            if flowing
-            else record.time_s / self.filling_span
-        )
+        part = progress / self.course.end if flowing else record.time_s / self.filling_span
         due = min(frames, int(part * frames + 1e-9))
         if due > self.drawn[record.stage]:
             points = self.simulation.points()
             for _ in range(due - self.drawn[record.stage]):  # a fast bottom: frames repeat, the film keeps its length
                 self.film.add_frame(
                     points["position"], points["void_ratio"], time_s=record.time_s, stage=record.stage,
-                    displacement_m=record.displacement_m,
+                    displacement_m=progress,
                 )  # fmt: skip
             self.drawn[record.stage] = due
+
+    def _progress(self, record) -> float:
+        """Place on the course: the displacement, or of free outflow the time since the gate opened."""
+        if self.simulation.scene.flow.outflow == "gravity":
+            return record.time_s - self.simulation.flow_start if record.stage == "flow" else 0.0
+        return record.displacement_m
 
     def end(self) -> None:
         """Close the film, also a short one."""
         self.film.close()
+
+
+def course(scene) -> Course:
+    """What the curves are drawn against."""
+    if scene.flow.outflow == "gravity":
+        return Course(scene.flow.longest_s, "time since the outlet opened (s)", "open since", "s", 1.0)
+    if scene.silo.sinks:
+        return Course(scene.flow.displacement_m)
+    return Course(scene.flow.displacement_m, "displacement u of the outlet (mm)")
+
+
+def floors(silo) -> list[np.ndarray]:
+    """Outlines of the floor beside the outlet [m]."""
+    left, right = silo.outlet_m
+    deep = -0.1 * silo.height_m
+    spans = ((0.0, left), (right, silo.width_m))
+    return [np.array([[a, 0.0], [b, 0.0], [b, deep], [a, deep]]) for a, b in spans if b > a]
 
 
 def void_ratio_range(scene) -> tuple[float, float]:
@@ -70,4 +96,6 @@ def title(scene) -> str:
     walls = "very rough walls"
     if scene.walls.kind == "smooth":
         walls = f"smooth walls ({scene.wall_friction_angle_deg:g}°)"
-    return f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}, {walls}"
+    silo = scene.silo.words()
+    words = [f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}", walls, silo]
+    return ", ".join(word for word in words if word)

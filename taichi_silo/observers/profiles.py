@@ -6,9 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from taichi_silo.grid import MARGIN
+from taichi_silo.measure.overpressure import largest_overpressure
 from taichi_silo.observers import Observer
 from taichi_silo.placing import BOTTOM, LEFT, RIGHT
+from taichi_silo.simulation import BODIES
 
+SIDES = ((LEFT, 1.0), (RIGHT, -1.0))  # and the sign that makes their normal forces positive
 BLOCK_PERIODS = 5  # of the column, whose mean makes a flow profile
 
 
@@ -23,8 +26,9 @@ class WallProfiles(Observer):
         self.simulation = simulation
         self.period = simulation.rows_per_period
         self.full = BLOCK_PERIODS * self.period
-        self.states: dict[str, tuple[float, np.ndarray]] = {}  # state: bottom displacement, profile
+        self.states: dict[str, tuple[float, float, np.ndarray]] = {}  # state: how far the grid sank, u, profile
         self.block, self.largest = [], 0.0
+        self.history = []  # time, displacement and profile of each block of flow
 
     def observe(self, record) -> None:
         """Gather blocks of records."""
@@ -39,11 +43,12 @@ class WallProfiles(Observer):
         span = sum(r.interval_s for r in recent)
         mean = sum(r.profile * r.interval_s for r in recent) / span
         normal = sum(r.normal_N_per_m * r.interval_s for r in recent) / span
-        here = (recent[-1].displacement_m, mean)
+        here = (-self.simulation.origin_m, recent[-1].displacement_m, mean)
         if recent[-1].stage == "filling":
             self.states["filling"] = here
         else:
             self.states["residual"] = here
+            self.history.append((recent[-1].time_s, *here))
             if normal > self.largest:
                 self.largest, self.states["maximum"] = normal, here
         self.block = []
@@ -59,15 +64,74 @@ class WallProfiles(Observer):
                 if state in self.states:
                     self._write(writer, state, *self.states[state])
 
-    def _write(self, writer, state: str, displacement: float, profile: np.ndarray) -> None:
-        h, grid = self.simulation.scene.grid.cell_size_m, self.simulation.solver.grid
-        sides = ((LEFT, "left", grid.rows, -displacement), (RIGHT, "right", grid.rows, -displacement))
+    def _write(self, writer, state: str, sunk: float, _displacement: float, profile: np.ndarray) -> None:
+        h, grid = self.simulation.scene.grid.cell_size_m, self.simulation.grid
+        sides = ((LEFT, "left", grid.rows, -sunk), (RIGHT, "right", grid.rows, -sunk))
         for wall, name, slots, origin in (*sides, (BOTTOM, "bottom", self.simulation.columns, 0.0)):
             coordinate, stress = wall_stress(profile[wall, :slots], h, closed=name == "bottom")
             normal, shear = (stress[:, 0], stress[:, 1]) if name != "bottom" else (stress[:, 1], stress[:, 0])
             normal = -normal if name == "right" else normal
             for place, n, t in zip(coordinate + origin, normal, shear, strict=True):
                 writer.writerow([state, name, f"{place:.6g}", f"{n:.6g}", f"{t:.6g}"])
+        for number, name in enumerate(self.simulation.bodies):
+            if name.startswith("hopper"):
+                rows = surface_stress(self.simulation, number, profile[BODIES + number])
+                for place, n, t in zip(*rows, strict=True):
+                    writer.writerow([state, name, f"{place:.6g}", f"{n:.6g}", f"{t:.6g}"])
+
+    def overpressure(self) -> dict:
+        """The largest normal stress on a wall over that after filling, as a pressure cell reads it; empty if none."""
+        if not self.history or "filling" not in self.states:
+            return {}
+        h, rows = self.simulation.scene.grid.cell_size_m, self.simulation.grid.rows
+
+        def normal(profile):
+            return np.stack(
+                [side * wall_stress(profile[wall, :rows], h, closed=False)[1][:, 0] for wall, side in SIDES]
+            )
+
+        height = wall_stress(self.states["filling"][2][LEFT, :rows], h, closed=False)[0]
+        above = height >= self.simulation.scene.silo.transition_m
+        found = largest_overpressure(
+            [time for time, *_ in self.history], height[above],
+            np.stack([normal(profile)[:, above] for *_, profile in self.history]),
+            normal(self.states["filling"][2])[:, above], [u for _, _, u, _ in self.history],
+        )  # fmt: skip
+        if found.wall < 0:
+            return {}
+        return {
+            "largest_overpressure": {
+                "factor": found.factor,
+                "wall": ("left", "right")[found.wall],
+                "height_m": found.height_m,
+                "time_s": found.time_s,
+                "displacement_m": found.displacement_m,
+                "normal_stress_Pa": found.stress_Pa,
+                "after_filling_Pa": found.filling_stress_Pa,
+            }
+        }
+
+
+def surface_stress(simulation, number: int, force: np.ndarray):
+    """Heights [m], normal and shear stress [Pa] (upwards positive on the sand) along a hopper wall, row by row.
+
+    `force` (slots, 2) is that of the wall on the sand at each row [N/m, or per radian].
+    """
+    surfaces, h = simulation.solver.surfaces, simulation.scene.grid.cell_size_m
+    mine = surfaces.owners == surfaces.first_wall + number
+    row = np.floor(surfaces.places[mine, 1] / h + 1e-9).astype(int)
+    normal = surfaces.normals[mine][0]
+    tangent = np.array([-normal[1], normal[0]])
+    tangent = tangent if tangent[1] > 0.0 else -tangent
+    heights, normals, shears = [], [], []
+    for number_of_row in np.unique(row[row >= 0]):
+        here = row == number_of_row
+        area = surfaces.areas[mine][here].sum()
+        pushed = force[number_of_row + MARGIN]
+        heights.append(float(surfaces.places[mine][here, 1].mean()))
+        normals.append(float(-(pushed @ normal) / area))
+        shears.append(float((pushed @ tangent) / area))
+    return heights, normals, shears
 
 
 def wall_stress(force: np.ndarray, cell_size_m: float, closed: bool) -> tuple[np.ndarray, np.ndarray]:

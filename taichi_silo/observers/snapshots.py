@@ -66,6 +66,7 @@ class Snapshots(Observer):
             "volume_m2_per_m": points["volume"],
             "mass_kg_per_m": points["mass"],
             "strain_path": points["path"],
+            "identity": points["identity"],
         }
         mesh = meshio.Mesh(place, [("vertex", np.arange(count)[:, None])], point_data=data)
         mesh.write(self.folder / f"{name}.vtu", file_format="vtu")

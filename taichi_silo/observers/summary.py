@@ -10,13 +10,18 @@ import pandas as pd
 
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.measure.certificate import certificate
+from taichi_silo.measure.flow_findings import flow_findings
+from taichi_silo.measure.matching import matched
 from taichi_silo.measure.shear_zones import interior_zone_count, wall_zone_thickness_m
 from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
 from taichi_silo.observers import Observer
+from taichi_silo.observers.profiles import WallProfiles
 from taichi_silo.parts import parts
 from taichi_silo.theory.janssen import Janssen, pressure_ratio_from_normal_force
 
 RESIDUAL_SHARE = 0.05  # of the final displacement: the last part, whose mean is the residual state
+MEASURED = (0.9, 1.0)  # of the flow: between which its pattern is measured
+EARLY = 0.15  # of the sand: free outflow is measured until so much has left
 CORNER_M = 0.0125  # above the bottom: wall stresses there belong to the corner
 PROFILE_BAND = (0.2, 0.8)  # of the height: where the pressure ratio is measured, away from surface and corner
 
@@ -24,22 +29,35 @@ PROFILE_BAND = (0.2, 0.8)  # of the height: where the pressure ratio is measured
 class Summary(Observer):
     """Keeps what the certificate needs, and writes the file when the run ends, also when it failed.
 
-    `profiles` is the walls.csv that another observer has written by then.
+    `profiles` is the observer that has written walls.csv by then.
     """
 
-    def __init__(self, file: Path, profiles: Path):
+    def __init__(self, file: Path, profiles: WallProfiles):
         self.file, self.profiles, self.failure = file, profiles, None
 
     def begin(self, simulation) -> None:
         """Start the clock."""
         self.simulation, self.records, self.after_filling = simulation, [], None
-        self.started = time.monotonic()
+        self.started, self.before, self.mid = time.monotonic(), None, None
 
     def observe(self, record) -> None:
         """Keep the record, less its profile."""
         names = [f.name for f in dataclasses.fields(record) if f.name != "profile"]
         derived = ("normal_N_per_m", "shear_N_per_m", "wall_friction_angle_deg", "residual_N_per_m")
         self.records.append({name: getattr(record, name) for name in (*names, *derived)})
+        if record.stage == "flow" and self.mid is None:
+            part = self._part(record)
+            if self.before is None and part >= MEASURED[0]:
+                self.before = self._state()
+            elif self.before is not None and part >= MEASURED[1]:
+                self.mid = self._state()
+
+    def _part(self, record) -> float:
+        """How far the flow has come: of the displacement, or in free outflow of 15 % of the sand."""
+        scene = self.simulation.scene
+        if scene.flow.outflow == "gravity":
+            return record.discharged_kg_per_m / (EARLY * self.simulation.mass)
+        return record.displacement_m / scene.flow.displacement_m
 
     def filled(self) -> None:
         """Keep the state after filling."""
@@ -47,7 +65,14 @@ class Summary(Observer):
 
     def _state(self) -> dict:
         simulation = self.simulation
-        return simulation.points() | {"displacement_m": simulation.displacement, "time_s": simulation.time}
+        left, right = simulation.scene.silo.outlet_m
+        sunk = -simulation.origin_m
+        out = sunk * (right - left)
+        if simulation.ledger is not None:
+            out = simulation.whole * simulation.ledger.mass / simulation.density
+        return simulation.points() | {
+            "displacement_m": simulation.displacement, "time_s": simulation.time, "sunk_m": sunk, "left_m2": out,
+        }  # fmt: skip
 
     def end(self) -> None:
         """Write the file."""
@@ -66,6 +91,11 @@ class Summary(Observer):
             found["janssen"] = self._janssen(found["filling"])
             found["shear_zones"] = self._zones()
             found["largest_wall_normal_stress_Pa"] = self._wall_stresses()
+            found |= self.profiles.overpressure()
+        if self.before is not None:
+            found |= flow_findings(self.after_filling, self.before, self.mid or self._state(), simulation.scene)
+        if simulation.ledger is not None:
+            found["ledger"] = self._ledger()
         stepping, points = simulation.stepping_seconds, simulation.particles.count
         found["cost"] = {
             "points": points,
@@ -78,6 +108,16 @@ class Summary(Observer):
         temporary = self.file.with_suffix(".part")
         temporary.write_text(json.dumps(_without_nan(found), indent=2) + "\n")
         temporary.replace(self.file)
+
+    def _ledger(self) -> dict:
+        """What has left, and whether the books close."""
+        simulation = self.simulation
+        gone, first = simulation.whole * simulation.ledger.mass, simulation.mass
+        return {
+            "discharged_kg_per_m": gone,
+            "left_in_silo_kg_per_m": simulation.held_mass,
+            "error_over_first_mass": abs(gone + simulation.held_mass - first) / first,
+        }
 
     def _forces(self, records: pd.DataFrame) -> dict:
         """State after filling, peaks in flow (means over one period) and residual state."""
@@ -136,8 +176,8 @@ class Summary(Observer):
 
     def _wall_stresses(self) -> dict:
         """Of each state, away from the corner: at one node, and as a pressure cell reads it."""
-        walls, found = pd.read_csv(self.profiles), {}
-        for state, rows in walls[walls.wall != "bottom"].groupby("state"):
+        walls, found = pd.read_csv(self.profiles.file), {}
+        for state, rows in walls[walls.wall.isin(["left", "right"])].groupby("state"):
             node, cell = 0.0, 0.0
             for _, wall in rows.groupby("wall"):
                 height, stress = wall.height_m.to_numpy(), wall.normal_stress_Pa.to_numpy()
@@ -150,11 +190,12 @@ class Summary(Observer):
 
     def _zones(self) -> dict:
         scene, points = self.simulation.scene, self._state()
-        position = points["position"] + [0.0, points["displacement_m"]]
+        filled = matched(self.after_filling, points)
+        position = points["position"] + [0.0, points["sunk_m"]]
         found = {}
         for side in ("left", "right"):
             zone = wall_zone_thickness_m(
-                position, points["void_ratio"], self.after_filling["void_ratio"], scene.silo.width_m, side=side
+                position, points["void_ratio"], filled["void_ratio"], scene.silo.width_m, side=side
             )
             found[side] = {
                 "thickness_m": zone.median_m,

@@ -101,7 +101,7 @@ class Surfaces:
         friction, owner = np.concatenate(friction)[order], np.concatenate(owner)[order]
         away = depth(place[:, 0])
         self.count = len(place)
-        self.places, self.normals, self.lengths, self.owners = place, normal, area, owner
+        self.places, self.normals, self.areas, self.owners = place, normal, area * away, owner
         self.fixed = ti.field(real, shape=(self.count, 5))
         self.fixed.from_numpy(np.column_stack([normal, area * away, friction, 1.0 / np.maximum(away, 1e-12)]))
         self.wall = ti.field(ti.i32, shape=self.count)

@@ -13,18 +13,20 @@ LAYERS = [
     ["phases", "nodes", "survey"],
     ["filters", "lanes", "proof"],
     ["solver", "half"],
-    ["variant", "symmetry"],
+    ["variant", "vessel", "symmetry"],
+    ["placing"],
     ["scene"],
     ["weaknesses", "settings", "fidelity", "column"],
+    ["filling", "ledger"],
     ["simulation", "specimen", "sands"],
     ["trial"],
-    ["element", "folder", "ledger", "timestep", "cost"],
+    ["element", "folder", "timestep", "cost"],
     ["stability"],
     ["plots"],
     ["biaxial"],
     ["observers", "parts"],
     ["run", "batch", "chart"],
-    ["cli", "__init__"],
+    ["flags", "cli", "scenario", "__init__"],
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ONLY_IN = {
