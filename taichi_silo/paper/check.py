@@ -130,10 +130,10 @@ def _measure(run: RunFiles, name: str, given: dict, reading: str) -> float:
 
 def _missing(statement: Statement, runs: dict[str, RunFiles]) -> str:
     """Which runs of a statement are missing or damaged, in words."""
-    said = []
+    said, failed = [], bool(statement.tests) and all(test.measure == "finished" for test in statement.tests)
     for name in statement.needs:
         try:
-            runs[name].check()
+            runs[name].check(failed)
         except (Missing, Damaged) as error:
             said.append(str(error))
     if len(said) > FEW:

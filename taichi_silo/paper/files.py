@@ -53,13 +53,13 @@ class RunFiles:
         self.case = case or CASES[self.folder.name]
         self._snapshots: dict[str, Points] = {}
 
-    def check(self) -> None:
-        """Refuse a run that is not there, has not ended, or failed."""
+    def check(self, failed: bool = False) -> None:
+        """Refuse a run that is not there, has not ended, or, unless such runs are wanted as well, failed."""
         if not self.folder.is_dir():
             raise Missing(f"{self.case.name} has not been run")
         if not (self.folder / "summary.json").exists():
             raise Missing(f"{self.case.name} has not ended")
-        if not self.summary.get("finished", False):
+        if not self.summary.get("finished", False) and not failed:
             raise Damaged(f"{self.case.name} went wrong: {self.summary.get('failure') or 'no reason is told'}")
 
     def _read(self, name: str, reader):

@@ -292,6 +292,8 @@ def test_missing_and_damaged_runs_say_so(tmp_path):
     said = ("it stopped", "forces.csv", "flow_020.vtu", "not ended", "not been run")
     for name, words in zip(cases, said, strict=True):
         assert words in table.why[name]
+    text = statement("a", "relation", more='tests = [{measure = "finished", low = 1}]')
+    assert verdicts(tmp_path, text).agrees["a"] == "no"
     with pytest.raises(Missing):
         RunFiles(tmp_path / "dense_smooth_right-150").check()
     with pytest.raises(Damaged):
