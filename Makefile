@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart test test-long bench parts lint clean
+.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper-check test test-long bench parts lint clean
 
 setup: $(READY)
 
@@ -41,6 +41,10 @@ stability: $(READY)
 # speed against accuracy: error and cost of every dial (short; `scenarios/chart.py --full` takes hours)
 chart: $(READY)
 	$(BIN)/python scenarios/chart.py
+
+# the paper's statements on silo flow against the runs in outputs/paper (seconds)
+paper-check: $(READY)
+	$(BIN)/python scenarios/paper_check.py
 
 test: $(READY)
 	$(BIN)/python -m pytest

@@ -1,8 +1,9 @@
 """Free outflow: the outlet is opened, and the sand falls out by its own weight until it stops or the silo is empty.
 
 Source: Krzyzanowski et al. (2020), section 7, figure 22: dense sand, very rough walls, an outlet of 80 mm in the
-middle, intergranular strain. Here it is on by default (`--law auto`), its memory starting along the strain of filling: without
-that sand overshoots its strength at these stresses, and a rough column hangs. `--law gudehus-bauer` is without it.
+middle, intergranular strain. Here it is on by default (`--law auto`), its memory starting along the strain of filling:
+without that sand overshoots its strength at these stresses, and a rough column hangs. `--law gudehus-bauer` is without
+it.
 
 What to expect: a funnel above the outlet, a discharge rate of the order of Beverloo's, wall stresses that vary strongly
 in time, and sand that stays on the floor beside the outlet at its angle of repose.

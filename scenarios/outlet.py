@@ -2,8 +2,8 @@
 
 Source: Krzyzanowski, Tejchman, Solowski and Wojcik (2020), section 7, figures 14 to 21. The paper's twelve cases are
 an outlet of 80 mm in the middle, and of 150 and of 50 mm beside the right wall, each with void ratio 0.60 and 0.90 and
-with smooth and very rough walls. The sand in the outlet stands on a gate that sinks at a constant speed; what has passed the
-floor is taken out and kept in a ledger (`discharged_kg_per_m`).
+with smooth and very rough walls. The sand in the outlet stands on a gate that sinks at a constant speed; what has
+passed the floor is taken out and kept in a ledger (`discharged_kg_per_m`).
 
 What to expect: funnel flow from dense sand, whose shear zones rise steeply from the edges of the outlet, branch where
 they meet a wall beside the outlet, and dilate; wall stresses that grow above the height where the moving sand meets the

@@ -24,7 +24,7 @@ def flow_findings(filled: dict, before: dict, now: dict, scene) -> dict:
     origin = np.array([0.0, (now["sunk_m"] - before["sunk_m"]) / seconds])
     place, velocity, index = mean_velocity(*over, seconds, before["identity"], now["identity"])
     velocity = velocity - origin  # in the laboratory
-    volume = now["volume"][index]
+    volume = before["volume"][index]
     outflow = (now["left_m2"] - before["left_m2"]) / seconds
     height = float(np.quantile(place[:, 1], 0.99))
     if outflow > 0.0:
@@ -36,6 +36,7 @@ def flow_findings(filled: dict, before: dict, now: dict, scene) -> dict:
             "stagnant_area_share": pattern.stagnant_area_share,
             "between_s": [before["time_s"], now["time_s"]],
         }
+    if outflow > 0.0 and not silo.sinks:  # sand on a bottom that sinks as a whole stays on it
         stay = residence(place, velocity, volume, silo.width_m, outflow, silo.outlet_m)
         found["residence"] = {
             "plug_time_s": stay.plug_time_s,

@@ -25,14 +25,14 @@ LAYERS = [
     ["plots"],
     ["biaxial"],
     ["observers", "parts"],
-    ["run", "batch", "chart"],
+    ["run", "batch", "chart", "paper"],
     ["flags", "cli", "scenario", "__init__"],
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ONLY_IN = {
     "matplotlib": {"plots", "observers", "biaxial"},
     "imageio_ffmpeg": {"observers"},
-    "meshio": {"observers", "plots", "biaxial"},
+    "meshio": {"observers", "plots", "biaxial", "paper"},
 }
 
 
