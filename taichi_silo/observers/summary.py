@@ -67,9 +67,7 @@ class Summary(Observer):
         simulation = self.simulation
         left, right = simulation.scene.silo.outlet_m
         sunk = -simulation.origin_m
-        out = sunk * (right - left)
-        if simulation.ledger is not None:
-            out = simulation.whole * simulation.ledger.mass / simulation.density
+        out = simulation.displacement * simulation.section.outlet_share(right - left)
         return simulation.points() | {
             "displacement_m": simulation.displacement, "time_s": simulation.time, "sunk_m": sunk, "left_m2": out,
         }  # fmt: skip
