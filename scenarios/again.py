@@ -8,7 +8,7 @@ from typing import Annotated
 
 from typer import Argument, Option
 
-from taichi_silo import cli
+from taichi_silo import cli, flags
 from taichi_silo.folder import free_name, read_scene
 from taichi_silo.observers.progress import ProgressLine
 from taichi_silo.run import run
@@ -19,7 +19,7 @@ def again(
     output: Annotated[Path | None, Option(help="folder of the run; outputs/again if not given")] = None,
     overwrite: Annotated[bool, Option("--overwrite", help="replace a run in the output folder")] = False,
     film: Annotated[bool, Option(help="draw void_ratio.mp4")] = True,
-    explain: cli.ExplainFlag = False,
+    explain: flags.ExplainFlag = False,
 ):
     """Run the scene in FILE."""
     scene = read_scene(file)

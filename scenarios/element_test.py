@@ -15,7 +15,7 @@ import pandas as pd
 from matplotlib import rc_context
 from typer import Argument, Option
 
-from taichi_silo import cli, runtime, sands
+from taichi_silo import cli, flags, runtime, sands
 from taichi_silo.element import COLUMNS, TESTS, ElementScene, curve_of
 from taichi_silo.folder import claim, free_name, write_tables
 from taichi_silo.plots.element import element_figure
@@ -24,7 +24,7 @@ from taichi_silo.plots.style import STYLE
 
 def element_test(
     test: Annotated[Literal[tuple(TESTS)], Argument(help="which test")],
-    sand: cli.SandFlag = "karlsruhe",
+    sand: flags.SandFlag = "karlsruhe",
     void_ratio: Annotated[float, Option(help="initial void ratio [-], between e_d and e_i at the pressure")] = 0.60,
     pressure: Annotated[
         float | None, Option(help="isotropic at the start [Pa], kept on the free sides; 50e3, oedometer 1e3")
@@ -32,10 +32,10 @@ def element_test(
     strain: Annotated[
         float | None, Option(help="at the end: logarithmic axial strain or shear gamma [-]; 0.2, oedometer 0.04")
     ] = None,
-    law: cli.LawFlag = "gudehus-bauer",
+    law: flags.LawFlag = "gudehus-bauer",
     through: Annotated[Literal["point", "mpm"], Option(help="the law alone, or the whole method")] = "point",
-    shape: cli.ShapeFlag = "ugimp",
-    method: cli.MethodFlags = None,
+    shape: flags.ShapeFlag = "ugimp",
+    method: flags.MethodFlags = None,
     output: Annotated[Path | None, Option(help="folder; outputs/... if not given")] = None,
     overwrite: Annotated[bool, Option("--overwrite", help="replace a test in the output folder")] = False,
 ):

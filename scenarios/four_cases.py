@@ -11,7 +11,7 @@ from typing import Annotated
 
 from typer import Option
 
-from taichi_silo import Flow, Machine, Mesh, Method, Scene, Walls, cli, sands
+from taichi_silo import Flow, Machine, Mesh, Method, Scene, Walls, cli, flags, sands
 from taichi_silo.batch.runs import Run, simulate
 from taichi_silo.faults import RunFailed
 from taichi_silo.folder import writable
@@ -28,14 +28,14 @@ CASES = {
 
 
 def four_cases(
-    sand: cli.SandFlag = "karlsruhe",
+    sand: flags.SandFlag = "karlsruhe",
     dense: Annotated[float, Option(help="void ratio of the dense fill [-]")] = 0.60,
     loose: Annotated[float, Option(help="void ratio of the loose fill [-]")] = 0.90,
     cell_size: Annotated[float, Option(help="of the grid [m]")] = 0.005,
     speed: Annotated[float, Option(help="of the bottom [m/s]")] = 0.002,
     displacement: Annotated[float, Option(help="of the bottom at the end [m]")] = 0.02,
-    shape: cli.ShapeFlag = "ugimp",
-    method: cli.MethodFlags = None,
+    shape: flags.ShapeFlag = "ugimp",
+    method: flags.MethodFlags = None,
     output: Annotated[Path, Option(help="folder; one subfolder a case")] = Path("outputs/four_cases"),
     film: Annotated[bool, Option(help="draw the films")] = True,
 ):

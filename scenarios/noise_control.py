@@ -14,7 +14,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from typer import Option
 
-from taichi_silo import Flow, Machine, Mesh, Method, Scene, Walls, cli, sands
+from taichi_silo import Flow, Machine, Mesh, Method, Scene, Walls, cli, flags, sands
 from taichi_silo.batch.runs import Run, simulate
 from taichi_silo.faults import RunFailed
 from taichi_silo.folder import writable
@@ -29,12 +29,12 @@ LABELS = {"none": "no control, as in the paper", "column": "drag towards the mea
 
 def noise_control(
     void_ratio: Annotated[float, Option(help="initial void ratio [-]")] = 0.60,
-    sand: cli.SandFlag = "karlsruhe",
+    sand: flags.SandFlag = "karlsruhe",
     cell_size: Annotated[float, Option(help="of the grid [m]")] = 0.005,
     speed: Annotated[float, Option(help="of the bottom [m/s]")] = 0.005,
     displacement: Annotated[float, Option(help="of the bottom at the end [m]")] = 0.005,
-    shape: cli.ShapeFlag = "ugimp",
-    method: cli.MethodFlags = None,
+    shape: flags.ShapeFlag = "ugimp",
+    method: flags.MethodFlags = None,
     output: Annotated[Path, Option(help="folder; one subfolder a run")] = Path("outputs/noise_control"),
 ):
     """Compare the wall force with and without noise control."""

@@ -1,4 +1,4 @@
-"""All silo flows of the paper: 4 mass flows, 12 controlled outflows, 1 free outflow; figures and the table of statements.
+"""All silo flows of the paper: 4 mass flows, 12 controlled outflows, 1 free outflow; figures and table of statements.
 
 Source: Krzyzanowski et al. (2020), sections 6 and 7. Each case has a process of its own, as many at a time as there are
 cores; cases already there are kept, so that an interrupted series goes on where it was. At the end the counterparts of

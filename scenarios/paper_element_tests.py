@@ -15,7 +15,7 @@ import pandas as pd
 from matplotlib import rc_context
 from typer import Option
 
-from taichi_silo import cli, runtime, sands
+from taichi_silo import cli, flags, runtime, sands
 from taichi_silo.element import COLUMNS, ElementScene, curve_of
 from taichi_silo.faults import BadInput
 from taichi_silo.plots.element import paper_figure, wall_angle_deg
@@ -42,10 +42,10 @@ TITLES = {
 
 
 def paper_element_tests(
-    sand: cli.SandFlag = "karlsruhe",
+    sand: flags.SandFlag = "karlsruhe",
     void_ratios: Annotated[str, Option(help="initial void ratios [-], separated by commas")] = "0.60,0.75,0.90",
-    shape: cli.ShapeFlag = "ugimp",
-    method: cli.MethodFlags = None,
+    shape: flags.ShapeFlag = "ugimp",
+    method: flags.MethodFlags = None,
     output: Annotated[Path, Option(help="folder; one CSV a curve, figures and a table")] = Path(
         "outputs/element_tests"
     ),

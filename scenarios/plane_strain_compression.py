@@ -20,7 +20,7 @@ from typing import Annotated, Literal
 import pandas as pd
 from typer import Option
 
-from taichi_silo import cli, runtime, sands
+from taichi_silo import cli, flags, runtime, sands
 from taichi_silo.biaxial.run import leave, summary_of
 from taichi_silo.biaxial.scene import BiaxialScene
 from taichi_silo.biaxial.studies import STUDIES, cost, differences, draw_study, table_of
@@ -32,21 +32,21 @@ from taichi_silo.scene import Averaging, Machine, cores
 def plane_strain_compression(
     void_ratio: Annotated[float, Option(help="initial void ratio [-], between e_d and e_i at the pressure")] = 0.55,
     pressure: Annotated[float, Option(help="of the fluid around the sides [Pa]")] = 50e3,
-    sand: cli.SandFlag = "karlsruhe",
-    law: cli.LawFlag = "gudehus-bauer",
+    sand: flags.SandFlag = "karlsruhe",
+    law: flags.LawFlag = "gudehus-bauer",
     points_across: Annotated[
         int, Option(help="points along the width of 40 mm: a multiple of 4 (2 and 6 with 1 and 9 points a cell)")
     ] = 32,
     points_per_cell: Annotated[int, Option(help="1, 4 or 9; with 1 the band tears open from 3 % on")] = 4,
-    characteristic_length: cli.LengthFlag = None,
-    weight: cli.WeightFlag = "gaussian",
+    characteristic_length: flags.LengthFlag = None,
+    weight: flags.WeightFlag = "gaussian",
     weak_void_ratio: Annotated[float, Option(help="of the weak element on the left side [-]")] = 0.91,
     weak_height: Annotated[float, Option(help="of the weak element, over the height; the paper has 0.5")] = 0.55,
     speed: Annotated[float, Option(help="of the upper plate [m/s]")] = 0.05,
     shortening: Annotated[float, Option(help="at the end, u / height [-]")] = 0.05,
     noise_control: Annotated[str, Option(help="column | none")] = "column",
-    shape: cli.ShapeFlag = "ugimp",
-    method: cli.MethodFlags = None,
+    shape: flags.ShapeFlag = "ugimp",
+    method: flags.MethodFlags = None,
     threads: Annotated[int, Option(help="CPU threads")] = 1,
     study: Annotated[Literal[(*STUDIES, "all")] | None, Option(help="run all cases of one figure")] = None,
     output: Annotated[Path | None, Option(help="folder; outputs/... if not given")] = None,
@@ -61,7 +61,8 @@ def plane_strain_compression(
         noise_control=noise_control, shape=shape, machine=Machine(threads=threads), **method,
     )  # fmt: skip
     if study is not None:
-        if scene.model_copy(update={"machine": Machine()}) != BiaxialScene(machine=Machine()):
+        plain = BiaxialScene(sand=sands.sand("karlsruhe", 0.55, law="gudehus-bauer"), machine=Machine())
+        if scene.model_copy(update={"machine": Machine()}) != plain:
             raise BadInput("--study runs fixed cases; of the other flags only --output can be given with it")
         names = list(STUDIES) if study == "all" else [study]
         return run_studies(names, (output or Path("outputs/biaxial")).expanduser())

@@ -21,7 +21,7 @@ SCRIPT = Path(__file__).parents[2] / "scenarios" / "mass_flow.py"
 class Shaken(Flow):
     """A flow that strains the sand to and fro."""
 
-    TURNS_BACK: ClassVar[bool] = True
+    turns_back: ClassVar[bool] = True
 
 
 def decided(**tables):

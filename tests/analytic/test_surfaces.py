@@ -1,0 +1,128 @@
+"""Walls that do not follow the grid are as exact as those that do."""
+
+import math
+
+import numpy as np
+import pytest
+
+from taichi_silo.grid import MARGIN
+from taichi_silo.laws import Elastic
+from taichi_silo.noise import NoiseControl
+from taichi_silo.shapes import UniformGimp
+from taichi_silo.stability.bodies import block, change, solver
+from taichi_silo.walls import Coulomb, NoSlip, PlaneWall, Surface
+
+G, DENSITY = 9.81, 1500.0
+
+
+def slide(angle_deg, contact, mu, cell=0.05, steps=2000):
+    """Mean acceleration down an incline in the second half of 0.4 s, over g, and what the wall gave (along, normal).
+
+    An elastic block, placed with the stress that it has when it slides.
+    """
+    angle, height = math.radians(angle_deg), 0.2
+    down, up = np.array([math.cos(angle), -math.sin(angle)]), np.array([math.sin(angle), math.cos(angle)])
+    particles, grid = block(width=0.6, height=height, cell=cell, box=(3.0, 3.0))
+    place = particles.arrays()["position"]
+    base, above = np.array([0.6, 2.0]), height - place[:, 1]
+    normal = -DENSITY * G * math.cos(angle) * above
+    shear = min(mu, math.tan(angle)) * -normal
+    turn = np.stack([down, up])
+    local = np.zeros((len(place), 2, 2))
+    local[:, 1, 1], local[:, 0, 1], local[:, 1, 0] = normal, shear, shear
+    stress = np.einsum("ai,nab,bj->nij", turn, local, turn)
+    change(
+        particles, position=base + place[:, :1] * down + place[:, 1:] * up,
+        stress=np.stack([stress[:, 0, 0], stress[:, 1, 1], 0.0 * normal, stress[:, 0, 1]], axis=1),
+    )  # fmt: skip
+    incline = Surface("incline", (tuple(base - 0.5 * down), tuple(base + 2.0 * down)), contact)
+    body = solver(particles, grid, UniformGimp(0.5), Elastic(2e6, 0.2), surfaces=(incline,))
+    velocities = []
+    for _ in range(2):
+        body.books.take()
+        body.advance(steps, 1e-4, gravity=(G, G))
+        velocities.append(particles.arrays()["velocity"].mean(axis=0))
+    pushed = body.books.take()[0][0].sum(axis=0)
+    return (velocities[1] - velocities[0]) @ down / (steps * 1e-4) / G, pushed @ down, pushed @ up
+
+
+@pytest.mark.parametrize("angle", [5.0, 15.0, 30.0, 45.0, 70.0])
+def test_a_block_slides_freely_down_any_slope_without_friction(angle):
+    """No stick at the steps of the grid."""
+    acceleration, along, normal = slide(angle, Coulomb(0.0), 0.0)
+    assert acceleration == pytest.approx(math.sin(math.radians(angle)), rel=1e-9)
+    assert abs(along) < 1e-12 * normal
+
+
+@pytest.mark.parametrize(("angle", "friction"), [(5.0, 4.0), (15.0, 10.0), (25.0, 20.0), (37.0, 20.0), (60.0, 19.0)])
+def test_it_slides_with_g_sin_minus_mu_cos(angle, friction):
+    mu = math.tan(math.radians(friction))
+    acceleration, _, _ = slide(angle, Coulomb(friction), mu)
+    exact = math.sin(math.radians(angle)) - mu * math.cos(math.radians(angle))
+    assert acceleration == pytest.approx(exact, rel=0.01)
+
+
+@pytest.mark.parametrize(("angle", "contact", "mu"), [(15.0, Coulomb(20.0), 0.364), (40.0, NoSlip(), 9.0)])
+def test_it_stays_where_friction_suffices_or_the_wall_is_very_rough(angle, contact, mu):
+    acceleration, along, normal = slide(angle, contact, mu)
+    assert abs(acceleration) < 0.002
+    assert -along / normal == pytest.approx(math.tan(math.radians(angle)), rel=0.02)
+
+
+def trough(angle_deg, cell, along_axis=2, height=1.0, foot=0.8):
+    """Forces of a nearly liquid column at rest between a vertical wall and an inclined one, over the exact ones.
+
+    Returns
+    -------
+    of the inclined wall in all; at most of a fifth of its height, without the highest fifth; of the vertical wall.
+
+    """
+    angle, bulk, poisson = math.radians(angle_deg), 1e7, 0.4999
+    wide = math.ceil((foot + max(height * math.tan(angle), 0.0) + 0.2) / cell) * cell
+    particles, grid = block(
+        width=wide, height=height, cell=cell, points_per_axis=along_axis, box=(wide, height + 4 * cell),
+        keep=lambda place: place[:, 0] < foot + place[:, 1] * math.tan(angle), density=DENSITY,
+    )  # fmt: skip
+    state, d = particles.arrays(), cell / along_axis
+    for row in np.unique(np.round(state["position"][:, 1], 9)):  # rows that fit between the walls
+        here = np.flatnonzero(np.abs(state["position"][:, 1] - row) < 1e-6)
+        size = (foot + row * math.tan(angle)) / len(here)
+        state["position"][here, 0] = (np.arange(len(here)) + 0.5) * size
+        state["volume"][here], state["mass"][here] = d * size, DENSITY * d * size
+    pressure = -DENSITY * G * (height - state["position"][:, 1])
+    particles.load(state | {"stress": np.stack([pressure, pressure, pressure, 0.0 * pressure], axis=1)})
+    upwards = np.array([math.sin(angle), math.cos(angle)])
+    top = np.array([foot, 0.0]) + (height + 2.0 * cell) / math.cos(angle) * upwards
+    walls = (
+        PlaneWall("left", 0, -1, grid.node_along(0.0), Coulomb()),
+        PlaneWall("floor", 1, -1, grid.node_along(0.0), Coulomb()),
+    )
+    body = solver(
+        particles, grid, UniformGimp(0.5 / along_axis), Elastic(3.0 * bulk * (1.0 - 2.0 * poisson), poisson), walls,
+        control=NoiseControl(filling_drag=1.0, relaxation=20.0),
+        surfaces=(Surface("inclined", ((foot, 0.0), tuple(top)), Coulomb()),),
+    )  # fmt: skip
+    c = math.sqrt(bulk / DENSITY)
+    dt, drag = 0.2 * cell / c, 0.5 * math.pi * c / height
+    body.advance(6000, dt, gravity=(G, G), filling_drag=drag)
+    body.books.take()
+    body.advance(2000, dt, gravity=(G, G), filling_drag=drag)
+    force = body.books.take()[0] / (2000 * dt)
+    normal = force[2] @ np.array([-math.cos(angle), math.sin(angle)])
+    low = np.arange(len(normal) - MARGIN) * cell
+    normal, high = normal[MARGIN:], np.minimum(low + cell, height)
+    exact = np.where(low < height, DENSITY * G * (high - low) * (height - 0.5 * (low + high)), 0.0) / math.cos(angle)
+    fifths = [(low >= a * height - 1e-9) & (low < (a + 0.2) * height - 1e-9) for a in (0.0, 0.2, 0.4, 0.6)]
+    worst = max(abs(normal[part].sum() / exact[part].sum() - 1.0) for part in fifths)
+    whole = 0.5 * DENSITY * G * height**2
+    return normal.sum() / exact.sum(), worst, force[0, :, 0].sum() / whole
+
+
+@pytest.mark.parametrize("angle", [15.0, -15.0])
+def test_a_liquid_presses_on_an_inclined_wall_as_on_a_straight_one(angle):
+    """Within 2 % of the hydrostatic force on the finer grid, and by fifths of the height; the error falls with h."""
+    coarse, fine = trough(angle, 0.05), trough(angle, 0.025)
+    assert fine[0] == pytest.approx(1.0, abs=0.02)
+    assert fine[2] == pytest.approx(1.0, abs=0.02)
+    assert fine[1] < 0.05
+    assert abs(fine[0] - 1.0) < abs(coarse[0] - 1.0)
