@@ -17,7 +17,8 @@ from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
 from taichi_silo.observers import Observer
 from taichi_silo.observers.profiles import WallProfiles
 from taichi_silo.parts import parts
-from taichi_silo.theory.janssen import Janssen, pressure_ratio_from_normal_force
+from taichi_silo.theory.janssen import pressure_ratio_from_normal_force
+from taichi_silo.theory.of_scene import janssen_of, theory_of
 
 RESIDUAL_SHARE = 0.05  # of the final displacement: the last part, whose mean is the residual state
 MEASURED = (0.9, 1.0)  # of the flow: between which its pattern is measured
@@ -87,6 +88,8 @@ class Summary(Observer):
             found["certificate"] = certificate(records, self.after_filling, self._state(), simulation)
         if self.after_filling is not None:
             found["janssen"] = self._janssen(found["filling"])
+            angle, ratio = (found["janssen"][key] for key in ("wall_friction_angle_deg", "pressure_ratio_K0"))
+            found["theory"] = theory_of(simulation.scene, angle, ratio)
             found["shear_zones"] = self._zones()
             found["largest_wall_normal_stress_Pa"] = self._wall_stresses()
             found |= self.profiles.overpressure()
@@ -154,10 +157,11 @@ class Summary(Observer):
             "pressure_ratio_measured": ratio,
         }
         density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
+        straight = scene.silo.height_m - scene.silo.transition_m
         try:
             found["pressure_ratio_fitted"] = float(
                 pressure_ratio_from_normal_force(
-                    filling["normal_N_per_m"], scene.silo.width_m, scene.silo.height_m, density, angle
+                    filling["normal_N_per_m"], scene.silo.width_m, straight, density, angle, scene.silo.section
                 )
             )
         except ValueError:  # no pressure ratio gives this force: a wall without contact, or a fill that hangs
@@ -165,9 +169,11 @@ class Summary(Observer):
         for key in ("K0", "measured"):
             if not found[f"pressure_ratio_{key}"] > 0.0:
                 continue
-            theory = Janssen(scene.silo.width_m, scene.silo.height_m, density, angle, found[f"pressure_ratio_{key}"])
-            forces = (theory.normal_force_N_per_m, theory.shear_force_N_per_m, theory.bottom_force_N_per_m)
-            for name, value in zip(("normal_N_per_m", "shear_N_per_m", "bottom_N_per_m"), forces, strict=True):
+            theory = janssen_of(scene, angle, found[f"pressure_ratio_{key}"])
+            forces = {"normal_N_per_m": theory.normal_force_N_per_m, "shear_N_per_m": theory.shear_force_N_per_m}
+            if scene.silo.hopper is None:  # of a round silo two metres of girth are counted
+                forces["bottom_N_per_m"] = theory.bottom_force_N_per_m * (2 if scene.silo.section == "round" else 1)
+            for name, value in forces.items():
                 found[f"{name}_{key}"] = float(value)
                 found[f"{name}_{key}_relative_difference"] = float(filling[name] / value - 1.0)
         return found
@@ -227,6 +233,7 @@ def measured_pressure_ratio(points: dict, scene, spacing_m: float) -> float:
     x, y = points["position"].T
     horizontal, vertical = -points["stress"][:, 0], -points["stress"][:, 1]
     low, high = (share * scene.silo.height_m for share in PROFILE_BAND)
+    low = max(low, scene.silo.transition_m)
     band = (y > low) & (y < high)
     wall = band & ((x < spacing_m) | (x > scene.silo.width_m - spacing_m))
     if not wall.any():

@@ -12,7 +12,9 @@ import pandas as pd
 
 from taichi_silo.laws import GudehusBauer
 from taichi_silo.scene import LOOSE_FROM
+from taichi_silo.theory.eurocode import EurocodeSilo
 from taichi_silo.theory.janssen import Janssen
+from taichi_silo.vessel import Silo
 
 GRAVITY = 9.81  # m/s2
 TABLE_PRESSURE_RATIO = 0.45  # sand, EN 1991-4 table E.1
@@ -132,7 +134,25 @@ class RunFiles:
         if None in (width, height, density, angle) or not np.isfinite(self.void_ratio):
             return None
         gravity = self.parameter("method", "gravity_m_per_s2", GRAVITY)
-        return Janssen(width, height, density * gravity / (1.0 + self.void_ratio), angle, pressure_ratio)
+        gamma, section = density * gravity / (1.0 + self.void_ratio), self.parameter("silo", "section", "plane")
+        return Janssen(width, height - self.transition_m, gamma, angle, pressure_ratio, section=section)
+
+    @property
+    def transition_m(self) -> float:
+        """Height of a hopper's upper end above its outlet [m]; 0 without."""
+        return Silo.model_validate(self.parameters.get("silo", {})).transition_m
+
+    @property
+    def eurocode(self) -> EurocodeSilo | None:
+        """The code's silo of this shape, or None if the run does not say enough, or the code no more."""
+        width, height = self.parameter("silo", "width_m"), self.parameter("silo", "height_m")
+        if None in (width, height):
+            return None
+        section = self.parameter("silo", "section", "plane")
+        code = EurocodeSilo(
+            width, height - self.transition_m, wall="D2" if self.wall_kind == "smooth" else "D3", section=section
+        )
+        return None if code.slenderness == "retaining" else code
 
     def read_snapshot(self, file: str):
         """Return points (n, 2) [m], void ratio (n,) and side (n,) [m] of the square each point stands for."""

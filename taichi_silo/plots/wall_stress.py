@@ -72,7 +72,11 @@ def _draw(panel, run, quantity: str, name_origin: bool = True):
             mean = np.mean([np.interp(height, *profile) for profile in profiles], axis=0)
             mean = cell_mean(height, mean)
             panel.plot(mean / 1e3, 1e3 * height, color=color, linewidth=width, label=label, zorder=3)
+        hopper = [_profile(run, state, wall, quantity) for wall in ("hopper_left", "hopper_right")]
+        for height, stress in (profile for profile in hopper if len(profile[0])):
+            panel.plot(cell_mean(height, stress) / 1e3, 1e3 * height, color=color, linewidth=width, linestyle="-")
     _draw_janssen(panel, run, quantity, name_origin)
+    _draw_code(panel, run, quantity)
     top = run.parameter("silo", "height_m")
     if top is not None:  # nodes above the sand carry nothing
         panel.set_ylim(top=1.05e3 * top)
@@ -91,15 +95,29 @@ def _draw_janssen(panel, run, quantity: str, name_origin: bool):
         if fill is None:
             return
         height = np.linspace(0.0, fill.height_m, 101)
+        foot = run.transition_m
         stress = fill.normal_stress_Pa if quantity == "normal_stress_Pa" else fill.shear_stress_Pa
         label = f"Janssen, {origin}"
         if name_origin:
             label += f" = {ratio:.2f}, $\\varphi_w$ = {fill.wall_friction_angle_deg:.3g}°"
         panel.plot(
             stress(fill.height_m - height) / 1e3,
-            1e3 * height,
+            1e3 * (foot + height),
             color=REFERENCE,
             linestyle=line,
             zorder=3.5,
             label=label,
         )
+
+
+def _draw_code(panel, run, quantity: str):
+    """Draw the stress on discharge after EN 1991-4, of sand as in its table."""
+    code = run.eurocode
+    if code is None:
+        return
+    height = np.linspace(0.0, code.height_m, 101)
+    stress = code.discharge_normal_Pa if quantity == "normal_stress_Pa" else code.discharge_shear_Pa
+    panel.plot(
+        stress(code.height_m - height) / 1e3, 1e3 * (run.transition_m + height), color=REFERENCE, linestyle="-.",
+        linewidth=1.0, zorder=3.4, label="EN 1991-4, discharge, its sand",
+    )  # fmt: skip

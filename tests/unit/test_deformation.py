@@ -24,3 +24,7 @@ def test_simple_shear_is_found_with_its_size():
 def test_a_rigid_rotation_is_no_shear():
     turn = np.array([[np.cos(0.3), -np.sin(0.3)], [np.sin(0.3), np.cos(0.3)]])
     assert net_shear(BEFORE, BEFORE @ turn.T).max() < 1e-12
+
+
+def test_sand_that_is_drawn_out_upwards_is_not_taken_for_settled_sand():
+    assert net_shear(BEFORE, BEFORE * [1.0, 1.01]) == pytest.approx(0.01, rel=0.01)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from taichi_silo.measure.matching import matched
-from taichi_silo.scene import Flow, Mesh, Scene
+from taichi_silo.scene import Mesh, Scene
 from taichi_silo.table import one_sentence
 from taichi_silo.vessel import Hopper, Insert, Outlet, Silo
 
@@ -99,7 +99,7 @@ def test_impossible_silos_are_refused_in_one_sentence(tables, words):
 
 def test_a_round_silo_has_an_axis_on_the_grid():
     with pytest.raises(ValidationError, match="radius"):
-        Scene(silo=Silo(section="round", width_m=0.21, height_m=0.6), grid=Mesh(cell_size_m=0.03), flow=Flow(displacement_m=0.01))
+        Scene(silo=Silo(section="round", width_m=0.21, height_m=0.6), grid=Mesh(cell_size_m=0.03))
 
 
 def test_points_are_found_again_by_their_identity():
