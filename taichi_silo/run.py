@@ -20,6 +20,7 @@ from taichi_silo.scene import Scene
 from taichi_silo.simulation import Simulation
 
 FIGURE_DISPLACEMENTS_M = (0.002, 0.005, 0.010, 0.020)  # of the paper's figure 12, after the state at 0
+FIGURE_SHARES = (0.02, 0.1, 0.3)  # of the displacement of a free outflow
 
 
 def run(scene: Scene, folder: Path, *, overwrite: bool = False, film: bool = True, extra: tuple = ()) -> Path:
@@ -51,7 +52,10 @@ def run(scene: Scene, folder: Path, *, overwrite: bool = False, film: bool = Tru
     simulation = Simulation(scene)
     profiles = WallProfiles(folder / "walls.csv")
     summary = Summary(folder / "summary.json", profiles)
-    wanted = {u for u in FIGURE_DISPLACEMENTS_M if u < scene.flow.displacement_m}
+    last = scene.flow.displacement_m
+    free = scene.flow.outflow == "gravity"
+    figured = [share * last for share in FIGURE_SHARES] if free else FIGURE_DISPLACEMENTS_M
+    wanted = {u for u in figured if u < last}
     observers: list[Observer] = [
         Table(folder / "forces.csv", FORCES, bodies=True),
         Table(folder / "balance.csv", BALANCE),

@@ -85,6 +85,10 @@ class RunFiles:
             words.append(f"smooth walls ({angle:g}°)")
         elif self.wall_kind:
             words.append(self.wall_kind.replace("-", " ") + " walls")
+        if special := self.silo.words():
+            words.append(special)
+        if self.free:
+            words.append("free outflow")
         return ", ".join(words) or self.label
 
     @cached_property
@@ -137,10 +141,26 @@ class RunFiles:
         gamma, section = density * gravity / (1.0 + self.void_ratio), self.parameter("silo", "section", "plane")
         return Janssen(width, height - self.transition_m, gamma, angle, pressure_ratio, section=section)
 
+    @cached_property
+    def silo(self) -> Silo:
+        """The silo, its defaults where the run says nothing."""
+        return Silo.model_validate(self.parameters.get("silo", {}))
+
+    @property
+    def free(self) -> bool:
+        """Whether the sand falls out by its weight."""
+        return self.parameter("flow", "outflow") == "gravity"
+
+    @property
+    def lopsided(self) -> bool:
+        """Whether left and right wall are not alike."""
+        left, right = self.silo.outlet_m
+        return abs(left + right - self.silo.width_m) > 1e-9
+
     @property
     def transition_m(self) -> float:
         """Height of a hopper's upper end above its outlet [m]; 0 without."""
-        return Silo.model_validate(self.parameters.get("silo", {})).transition_m
+        return self.silo.transition_m
 
     @property
     def eurocode(self) -> EurocodeSilo | None:

@@ -24,6 +24,11 @@ def chosen_snapshots(run) -> list:
     if index.empty:
         return [None] * len(DISPLACEMENTS_MM)
     index = index.sort_values("time_s", kind="stable")
+    if run.free:  # by what has left
+        flow = index[index["stage"] == "flow"]
+        some = [*index[index["stage"] != "flow"].tail(1).iterrows(), *flow.head(len(DISPLACEMENTS_MM) - 1).iterrows()]
+        rows = [row for _, row in some]
+        return rows + [None] * (len(DISPLACEMENTS_MM) - len(rows))
     at_rest = index[index["displacement_m"] == index["displacement_m"].min()]
     chosen, flow = [at_rest.iloc[-1]], index[index["stage"] == "flow"]
     ended = flow.empty

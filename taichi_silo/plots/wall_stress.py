@@ -11,6 +11,7 @@ STATES = {  # colour, width (equal curves on top of each other both show), name
     "residual": (BLUE, 1.8, "residual"),
 }
 LEGEND = f"bold: mean of both walls, as a pressure cell of {1e3 * CELL_M:g} mm reads; light: each wall, node by node"
+LOPSIDED = f"bold: as a pressure cell of {1e3 * CELL_M:g} mm reads; outlet off the middle: left solid, right dashed"
 STRESSES = {"normal_stress_Pa": "wall normal stress (kPa)", "shear_stress_Pa": "wall shear stress (kPa)"}
 
 
@@ -27,7 +28,7 @@ def run_wall_stress_figure(run):
     panels[0].set_ylabel("height above the initial bottom (mm)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
-    figure.suptitle(f"Wall stresses: {run.title}\n{LEGEND}")
+    figure.suptitle(f"Wall stresses: {run.title}\n{LOPSIDED if run.lopsided else LEGEND}")
     return figure
 
 
@@ -52,7 +53,7 @@ def case_wall_stress_figure(runs):
         handles.update(zip(labels, lines, strict=True))
     columns = 5 if len(runs) > 3 else min(2, len(runs))
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=columns)
-    figure.suptitle(f"Wall stresses\n{LEGEND}")
+    figure.suptitle(f"Wall stresses\n{LOPSIDED if any(run.lopsided for run in runs) else LEGEND}")
     return figure
 
 
@@ -67,7 +68,12 @@ def _draw(panel, run, quantity: str, name_origin: bool = True):
         profiles = [profile for profile in profiles if len(profile[0])]
         for height, stress in profiles:
             panel.plot(stress / 1e3, 1e3 * height, color=color, alpha=0.35, linewidth=0.9)
-        if profiles:
+        if profiles and run.lopsided:
+            for (height, stress), line in zip(profiles, ("-", (0, (2, 1))), strict=False):
+                read = cell_mean(height, stress) / 1e3
+                name = label if line == "-" else None
+                panel.plot(read, 1e3 * height, color=color, linewidth=width, linestyle=line, label=name, zorder=3)
+        elif profiles:
             height = profiles[0][0]
             mean = np.mean([np.interp(height, *profile) for profile in profiles], axis=0)
             mean = cell_mean(height, mean)
