@@ -1,8 +1,8 @@
 """How a silo is filled, and what of it is left in the flow: growing weight, layers, rain.
 
-The paper says that its own filling, the whole column in place under a weight that grows, spoils the wall force, and that
-layers would be better (section 6.1). Here the same silo is filled in the three ways and then flows; a table and a figure
-set P, T, N after filling beside Janssen's theory and the law's own pressure at rest, and what is left after 5 mm.
+The paper says that its own filling, the whole column in place under a weight that grows, spoils the wall force, and
+that layers would be better (section 6.1). Here the same silo is filled in the three ways and then flows; a table and a
+figure set P, T, N after filling beside Janssen and the law's own pressure at rest, and what is left after 5 mm.
 
 Cost: three runs of each wall, some 20 core-seconds each.
 """

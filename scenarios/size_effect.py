@@ -1,9 +1,10 @@
 """The size effect: the same silo from the model of 0.2 m to a bin of 8 m, filled with the same sand.
 
-Source: Krzyzanowski et al. (2020), section 7.2: nominal wall stresses (over the weight of a width of sand) fall as silos
-grow, because friction and dilatancy fall with pressure, and because shear zones get thinner against the width. The grid
-grows with the silo, 40 cells across, and the law is local, so that what is seen is the effect of pressure alone; zones
-as thin as grains would come on top. The bottom sinks by a tenth of the width, at a speed that grows as waves do.
+Source: Krzyzanowski et al. (2020), section 7.2: nominal wall stresses (over the weight of a width of sand) fall as
+silos grow, because friction and dilatancy fall with pressure, and because shear zones get thinner against the width.
+The grid grows with the silo, 40 cells across, and the law is local, so that what is seen is the effect of pressure
+alone; zones as thin as grains would come on top. The bottom sinks by a twentieth of the width, at a speed that grows as
+that of waves.
 
 Cost: four runs of some 50 core-seconds.
 """
