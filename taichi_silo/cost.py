@@ -132,6 +132,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
         setattr(simulation, name, value)
     particles.load(arrays)
     memory.fill(0.0)
+    simulation.solver.surfaces.clear()
     simulation.solver.books.take()
     return found
 

@@ -60,6 +60,9 @@ class NoSurfaces:
 
     ACTIVE = False
 
+    def clear(self) -> None:
+        """Nothing to let go."""
+
 
 @ti.data_oriented
 class Surfaces:

@@ -6,6 +6,7 @@ import pytest
 from taichi_silo import cost, runtime
 from taichi_silo.scene import Flow, Mesh, Method, Scene, Walls
 from taichi_silo.simulation import Simulation
+from taichi_silo.vessel import Hopper, Silo
 
 
 def coarse(walls="very-rough", speed=0.04, displacement=0.004, cell=0.05, **method) -> Scene:
@@ -45,11 +46,15 @@ def test_a_given_step_halved_doubles_their_number():
     assert two == pytest.approx(2 * one, rel=0.04)  # whole steps in each interval
 
 
-def test_a_rehearsal_leaves_the_run_as_it_would_have_been():
-    """Bit by bit: forces, points and clock."""
+HOPPER = Silo(hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.1))
+
+
+@pytest.mark.parametrize("silo", [Silo(), HOPPER], ids=["bottom", "hopper"])
+def test_a_rehearsal_leaves_the_run_as_it_would_have_been(silo):
+    """Bit by bit: forces, points and clock; a hopper's walls let go of what they pressed on."""
 
     def history(rehearsed: bool):
-        simulation = started(coarse(displacement=0.001))
+        simulation = started(coarse(displacement=0.001).model_copy(update={"silo": silo}))
         if rehearsed:
             assert cost.rehearse(simulation, seconds=0.05) > 0.0
             assert (simulation.time, simulation.steps, simulation.stage) == (0.0, 0, "filling")
