@@ -5,9 +5,10 @@ import os
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")  # a run prints only its own lines
 
 from taichi_silo.faults import BadInput, RunFailed  # noqa: E402
+from taichi_silo.record import Record  # noqa: E402
 from taichi_silo.run import run  # noqa: E402
 from taichi_silo.scene import Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls  # noqa: E402
-from taichi_silo.simulation import Record, Simulation  # noqa: E402
+from taichi_silo.simulation import Simulation  # noqa: E402
 
 __all__ = [
     "BadInput",

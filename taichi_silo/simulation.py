@@ -2,7 +2,6 @@
 
 import math
 import time
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from taichi_silo.ledger import Ledger
 from taichi_silo.noise import NoiseControl
 from taichi_silo.particles import Particles
 from taichi_silo.placing import BOTTOM, LEFT, RIGHT, Section, grid_of, load, state_of_fill, surfaces_of, walls_of
+from taichi_silo.record import Record
 from taichi_silo.runtime import threads
 from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
@@ -29,59 +29,6 @@ STEP_SAFETY = 0.95  # of the stable step, which changes within an interval
 OPENED = -20.0  # speed of a gate that sand cannot follow [m/s]
 EXIT = 0.5  # of a cell below the floor: sand that has passed touches no node that can move
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
-
-
-@dataclass(frozen=True)
-class Record:
-    """One interval: forces are means over it, so no impulse is lost between records; state is at its end.
-
-    Signs: normals positive in compression, shears positive where the wall carries weight; per metre run.
-    """
-
-    time_s: float
-    stage: str  # "filling" or "flow"
-    displacement_m: float
-    interval_s: float
-    bottom_N_per_m: float
-    left_normal_N_per_m: float
-    left_shear_N_per_m: float
-    right_normal_N_per_m: float
-    right_shear_N_per_m: float
-    weight_N_per_m: float
-    momentum_rate_N_per_m: float  # of the vertical momentum
-    control_N_per_m: float  # vertical force of the noise control on the sand
-    kinetic_energy_J_per_m: float
-    time_step_s: float
-    stable_step_s: float
-    void_ratio_low: float
-    separated: int  # points that carry no stress
-    strays: int
-    speed_m_per_s: float
-    profile: np.ndarray  # (left, right, bottom, bodies; slots; 2): force on the sand at each node [N/m]
-    discharged_kg_per_m: float = 0.0  # since the start
-    bodies_N_per_m: dict = field(default_factory=dict)  # force (x, y) of hopper walls and inserts on the sand
-
-    @property
-    def normal_N_per_m(self) -> float:
-        """N: mean of both walls."""
-        return 0.5 * (self.left_normal_N_per_m + self.right_normal_N_per_m)
-
-    @property
-    def shear_N_per_m(self) -> float:
-        """T: mean of both walls."""
-        return 0.5 * (self.left_shear_N_per_m + self.right_shear_N_per_m)
-
-    @property
-    def wall_friction_angle_deg(self) -> float:
-        """Arctan(T / N)."""
-        return math.degrees(math.atan2(self.shear_N_per_m, self.normal_N_per_m))
-
-    @property
-    def residual_N_per_m(self) -> float:
-        """P + 2 T - W - d(upward momentum)/dt + control force: zero but for round-off."""
-        carried = self.bottom_N_per_m + self.left_shear_N_per_m + self.right_shear_N_per_m
-        carried += sum(force[1] for force in self.bodies_N_per_m.values())
-        return carried - self.weight_N_per_m - self.momentum_rate_N_per_m + self.control_N_per_m
 
 
 def noise_control(scene: Scene, period_s: float) -> NoiseControl:

@@ -13,7 +13,7 @@ LAYERS = [
     ["phases", "nodes", "survey"],
     ["filters", "lanes", "proof"],
     ["solver", "half"],
-    ["variant", "vessel", "symmetry"],
+    ["variant", "vessel", "sand", "symmetry", "record"],
     ["placing"],
     ["scene"],
     ["weaknesses", "settings", "fidelity", "column"],

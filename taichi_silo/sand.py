@@ -1,0 +1,91 @@
+"""The sand that a user gives."""
+
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from taichi_silo.laws import GudehusBauer, Intergranular
+from taichi_silo.table import Table
+
+
+class IntergranularStrain(Table):
+    """Constants of Niemunis and Herle (1997); the defaults are theirs for Hochstetten sand."""
+
+    radius: float = Field(1e-4, gt=0, le=0.01, description="R")
+    m_R: float = Field(5.0, ge=1)
+    m_T: float = Field(2.0, ge=1)
+    beta_r: float = Field(0.5, gt=0)
+    chi: float = Field(6.0, gt=0)
+
+    @model_validator(mode="after")
+    def _ordered(self):
+        if self.m_T > self.m_R:
+            raise ValueError(f"m_T is {self.m_T}; it must be at most m_R = {self.m_R}")
+        return self
+
+
+class Sand(Table):
+    """Gudehus-Bauer constants; the defaults are the paper's Karlsruhe sand."""
+
+    name: str = "karlsruhe"
+    law: Literal["auto", "gudehus-bauer", "intergranular"] = "auto"
+    void_ratio: float = 0.60
+    critical_friction_angle_deg: float = Field(30.0, ge=5, lt=90)
+    granular_hardness_Pa: float = Field(190e6, gt=0)
+    n: float = Field(0.5, gt=0, lt=1)
+    alpha: float = Field(0.3, gt=0, le=5)
+    beta: float = Field(1.0, gt=0, le=20)
+    e_i0: float = Field(1.30, gt=0)
+    e_c0: float = Field(0.82, gt=0)
+    e_d0: float = Field(0.51, gt=0)
+    grain_density_kg_per_m3: float = Field(2650.0, gt=0)
+    d50_m: float = Field(0.5e-3, gt=0)
+    intergranular: IntergranularStrain = IntergranularStrain()
+
+    @model_validator(mode="after")
+    def _ordered(self):
+        if not self.e_d0 < self.e_c0 < self.e_i0:
+            raise ValueError(
+                f"limits of the void ratio are {self.e_d0}, {self.e_c0}, {self.e_i0}; e_d0 < e_c0 < e_i0 must hold"
+            )
+        if self.skeleton().h_i <= 0:
+            raise ValueError(
+                f"alpha is {self.alpha}; with these void ratios it gives h_i <= 0, a smaller one is needed"
+            )
+        if not self.e_d0 < self.void_ratio < self.e_i0:
+            raise ValueError(
+                f"void ratio is {self.void_ratio}; it must lie between e_d0 = {self.e_d0} and e_i0 = {self.e_i0}"
+            )
+        return self
+
+    def law_for(self, turns_back: bool) -> str:
+        """Name of the law: as given, or with memory only where strain turns back."""
+        if self.law != "auto":
+            return self.law
+        return "intergranular" if turns_back else "gudehus-bauer"
+
+    def constitutive_law(self, mass_scaling: float = 1.0, turns_back: bool = False) -> GudehusBauer | Intergranular:
+        """The constitutive law with these constants, the grains' density times a factor."""
+        skeleton = self.skeleton(mass_scaling)
+        if self.law_for(turns_back) == "gudehus-bauer":
+            return skeleton
+        return Intergranular(skeleton=skeleton, **self.intergranular.model_dump())
+
+    def check_at(self, pressure_Pa: float, name: str = "void ratio") -> None:
+        """Refuse a void ratio that this sand cannot have at an isotropic pressure."""
+        e_d, _, e_i = self.skeleton().void_ratio_limits(pressure_Pa)
+        if not e_d < self.void_ratio < e_i:
+            raise ValueError(
+                f"{name} is {self.void_ratio}; at {pressure_Pa:g} Pa it must lie between "
+                f"e_d = {e_d:.4f} and e_i = {e_i:.4f}"
+            )
+
+    def skeleton(self, mass_scaling: float = 1.0) -> GudehusBauer:
+        """The law without memory."""
+        return GudehusBauer(
+            critical_friction_angle_deg=self.critical_friction_angle_deg,
+            granular_hardness_Pa=self.granular_hardness_Pa,
+            n=self.n, alpha=self.alpha, beta=self.beta,
+            e_i0=self.e_i0, e_c0=self.e_c0, e_d0=self.e_d0,
+            grain_density=mass_scaling * self.grain_density_kg_per_m3,
+        )  # fmt: skip
