@@ -120,3 +120,22 @@ def test_a_run_is_not_overwritten_unasked(tmp_path):
     assert "--overwrite" in done.stderr
     assert (tmp_path / "run.toml").read_text() == "precious = true"
     assert list(tmp_path.iterdir()) == [tmp_path / "run.toml"]
+
+
+@pytest.mark.parametrize(
+    ("script", "flags", "words"),
+    [
+        ("outlet", ["--outlet-width", "0.3"], ["outlet width is 0.3", "below", "0.2"]),
+        ("outlet", ["--outlet-position", "top"], ["position is top", "centre"]),
+        ("outlet", ["--filling", "snow"], ["snow", "gravity-ramp", "rain"]),
+        ("hopper", ["--half-angle", "3"], ["half angle", "3.0 deg", "0.5"]),
+        ("insert", ["--insert-width", "0.3"], ["roof", "free of the walls", "0.2"]),
+        ("gravity_discharge", ["--longest", "0"], ["longest_s is 0", "above 0"]),
+        ("gravity_discharge", ["--speed", "0.1"], ["--speed"]),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) and value[0].startswith("--") else "",
+)
+def test_an_impossible_silo_is_refused(tmp_path, script, flags, words):
+    sentence = refuse(tmp_path, *flags, script=SCENARIOS / f"{script}.py")
+    for word in words:
+        assert word in sentence, sentence
