@@ -10,7 +10,7 @@ from taichi_silo.column import period_of
 from taichi_silo.grid import MARGIN
 from taichi_silo.laws.integrate import LOCAL_ERROR
 from taichi_silo.observers.movie import FILLING_FRAMES, FLOW_FRAMES
-from taichi_silo.placing import headroom
+from taichi_silo.placing import Section, rows_of_cells
 from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
 from taichi_silo.simulation import noise_control
@@ -70,6 +70,11 @@ def intergranular_strain(scene: Scene) -> Part:
         because = f"As asked for: {sand.law}."
     elif flow.turns_back:
         because = f"Strain turns back, and sand is then {sand.intergranular.m_R:g} times as stiff (m_R)."
+    elif not scene.silo.sinks:
+        because = (
+            f"The gate lets the sand go one way, at {1e3 * flow.speed_m_per_s:g} mm/s; only free outflow turns strain "
+            "back."
+        )
     else:
         strain = flow.displacement_m / scene.silo.height_m
         because = (
@@ -115,9 +120,13 @@ def domains(scene: Scene) -> Part:
 
 def wall_friction(scene: Scene) -> Part:
     """A friction solve at each node of a wall that is neither very rough nor frictionless."""
+    silo = scene.silo
     angles = {"bottom": scene.walls.bottom_friction_angle_deg}
     if scene.walls.kind == "smooth":
         angles = {"side": scene.wall_friction_angle_deg} | angles
+    own = [("hopper", silo.hopper)] if silo.hopper else []
+    own += [(insert.kind, insert) for insert in silo.inserts]
+    angles |= {name: body.friction_angle_deg for name, body in own if body.friction_angle_deg is not None}
     because = "; ".join(f"{name}: {_friction(angle)}" for name, angle in angles.items()) + "."
     if scene.walls.kind == "very-rough":
         because = f"side: very rough, sand does not slip; {because}"
@@ -152,15 +161,20 @@ def records(scene: Scene, period_s: float) -> Part:
 def empty_nodes(scene: Scene) -> Part:
     """Nodes without sand are not integrated."""
     h = scene.grid.cell_size_m
-    across = round(scene.silo.width_m / h) // (2 if half_model(scene)[0] else 1)
-    filled = (across + 1) * (round(scene.silo.height_m / h) + 1)
-    rows = round((scene.silo.height_m + headroom(scene)) / h)
-    nodes = (across + 1 + 2 * MARGIN) * (rows + 1 + 2 * MARGIN)
+    across = round(Section.of(scene).width / h)
+    filled = round((across + 1) * (scene.silo.height_m / h + 1) * scene.silo.area_m2 / scene.silo.box_m2)
+    nodes = (across + 1 + 2 * MARGIN) * (rows_of_cells(scene) + 1 + 2 * MARGIN)
     because = f"{filled} of {nodes} nodes lie in the sand at the start; a node without mass is passed over."
     return Part("inactive cells", "skipped", because)
 
 
 def sand_at_rest(scene: Scene) -> Part:
-    """Nothing rests above a bottom that sinks as a whole."""
+    """Nothing rests above a bottom that sinks as a whole; beside an outlet sand does, but waves cross it."""
     because = f"0 of {scene.points} points rest: the whole fill sinks with the bottom."
+    if not scene.silo.sinks:
+        left, right = scene.silo.outlet_m
+        because = (
+            f"Sand beside the outlet of {1e3 * (right - left):g} mm may rest, but it carries what moves: its stress "
+            "changes in every step."
+        )
     return Part("sand at rest", "stepped", because)

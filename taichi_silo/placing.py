@@ -109,11 +109,16 @@ def headroom(scene) -> float:
     return room + 2.0 * h
 
 
+def rows_of_cells(scene) -> int:
+    """How many the grid has, from the floor to its top."""
+    return math.ceil((scene.silo.height_m + headroom(scene)) / scene.grid.cell_size_m - 1e-9)
+
+
 def grid_of(scene, section: Section, copies: int) -> Grid:
     """The grid: it sinks with the bottom where all of that sinks, else it stands still."""
     h = scene.grid.cell_size_m
-    height = math.ceil((scene.silo.height_m + headroom(scene)) / h - 1e-9) * h
-    return Grid(section.width, height, h, copies=copies, follows="bottom" if scene.silo.sinks else "nothing")
+    follows = "bottom" if scene.silo.sinks else "nothing"
+    return Grid(section.width, rows_of_cells(scene) * h, h, copies=copies, follows=follows)
 
 
 def state_of_fill(scene, section: Section, law, density: float, velocity=(0.0, 0.0)) -> dict[str, np.ndarray]:

@@ -193,6 +193,11 @@ class Silo(Table):
         return tuple(np.concatenate(values) for values in zip(*rows, strict=True))
 
     @property
+    def box_m2(self) -> float:
+        """Width times height, or of a round silo what `area_m2` is of a cylinder."""
+        return self.width_m * self.height_m * (0.5 if self.section == "round" else 1.0)
+
+    @property
     def area_m2(self) -> float:
         """Of the section of the fill; of a round silo twice its content per radian over the radius."""
         cut = self.transition_m * self.outlet_m[0]  # of both wedges beside a hopper
