@@ -27,7 +27,7 @@ def gravity_discharge(
     hopper_angle: Annotated[
         float | None, Option(help="half angle of a hopper's walls, from the vertical [deg]; a flat floor if not given")
     ] = None,
-    longest: Annotated[float, Option(help="time of flow after which the run ends [s]")] = 6.0,
+    longest: Annotated[float, Option(help="time of flow after which the run ends [s]")] = 4.0,
     share: Annotated[float, Option(help="of the sand that has left when the run ends [-]")] = 1.0,
     width: Annotated[float, Option(help="of the silo, or its diameter [m]")] = 0.2,
     height: Annotated[float, Option(help="of the fill [m]")] = 0.5,

@@ -28,6 +28,7 @@ RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
 STEP_SAFETY = 0.95  # of the stable step, which changes within an interval
 OPENED = -20.0  # speed of a gate that sand cannot follow [m/s]
 EXIT = 0.5  # of a cell below the floor: sand that has passed touches no node that can move
+SHORT, LANDING = 0.5, 0.7  # of an interval and of a time step in free outflow: sand that lands is stiff at once
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
 
 
@@ -172,8 +173,8 @@ class Simulation:
         end = self.flow_start + scene.flow.longest_s
         while self.time < end and self.particles.active[None] and self.time - left_at < AT_REST_S:
             fastest = self.after.speed + self.gravity * self.interval
-            before = self.ledger.mass
-            yield self.advance(min(self.interval, reach / fastest), plate_velocity=(OPENED, OPENED))
+            before, short = self.ledger.mass, SHORT * self.interval
+            yield self.advance(min(short, reach / fastest), plate_velocity=(OPENED, OPENED), growth=LANDING)
             if self.ledger.mass > before:
                 left_at = self.time
             self.displacement = self.whole * self.ledger.mass / per_m

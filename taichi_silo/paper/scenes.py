@@ -5,7 +5,7 @@ from taichi_silo.paper.cases import CASES, Case
 from taichi_silo.scene import Flow, Machine, Mesh, Scene, Walls
 from taichi_silo.vessel import Outlet, Silo
 
-LONGEST_S = 6.0  # of free outflow; it ends before if the flow stops
+LONGEST_S = 4.0  # of free outflow; it ends before if the flow stops
 
 
 def scene_of(case: Case, cell_size_m: float = 0.005, speed_m_per_s: float = 0.002) -> Scene:
