@@ -14,6 +14,7 @@ SHORTEST_PERIODS = 12  # the weight must not grow faster than the column can fol
 LONGEST_SETTLING_PERIODS = 20  # at least
 SETTLED = 2e-4  # relative change of the wall force over two periods that counts as rest
 FIRST_STEP = 0.2  # of the stable step of unstressed sand: in the first interval the stress grows a thousandfold
+LANDING = 0.4  # of the stable step while rain falls: what lands is stiff at once
 LAYER_PERIODS = 1.0  # of the whole column, between two layers
 RISE_PERIODS = 60.0  # of the whole column, that rain takes
 
@@ -65,7 +66,7 @@ def rain(simulation):
     yield from _portions(simulation, number, RISE_PERIODS * simulation.period / len(rows), drop)
     fall = math.sqrt(2.0 * drop / simulation.gravity)
     for _ in range(math.ceil(fall / simulation.interval)):
-        yield simulation.advance(simulation.interval)
+        yield simulation.advance(simulation.interval, growth=LANDING)
 
 
 def _portions(simulation, number: np.ndarray, pause: float, above: float):
@@ -81,7 +82,8 @@ def _portions(simulation, number: np.ndarray, pause: float, above: float):
         load(particles, {name: np.concatenate([there[name], new[name]]) for name in there})
         simulation.identity = np.flatnonzero(number <= portion)[np.argsort(number[number <= portion], kind="stable")]
         for part in range(intervals):
-            yield simulation.advance(pause / intervals, growth=FIRST_STEP if portion + part == 0 else 1.0)
+            growth = FIRST_STEP if portion + part == 0 else LANDING if above else 1.0
+            yield simulation.advance(pause / intervals, growth=growth)
 
 
 def settle(simulation):
