@@ -10,12 +10,14 @@ Cost: about 100 core-seconds a case and a film of 20 s each: half an hour on one
 from pathlib import Path
 from typing import Annotated
 
+import pandas as pd
 from typer import Option
 
 from taichi_silo import cli
 from taichi_silo.batch.runs import Run, simulate
 from taichi_silo.faults import BadInput, RunFailed
 from taichi_silo.folder import writable
+from taichi_silo.measure.one_line import one_line
 from taichi_silo.paper import check
 from taichi_silo.paper.cases import CASES
 from taichi_silo.paper.figures import plot_paper
@@ -44,6 +46,9 @@ def paper(
     failures = simulate(missing, cores(), lambda words: print(words, flush=True))
     for file in plot_paper(output, output / "figures"):
         print(file)
+    lines = pd.DataFrame([{"case": name, **one_line(run.summary)} for name, run in runs.items()])
+    lines.to_csv(output / "runs.csv", index=False, float_format="%.5g")
+    print(output / "runs.csv")
     table = check.evaluate(output)
     check.write(table, output)
     print("; ".join(f"{word}: {count}" for word, count in check.count(table).items()))
