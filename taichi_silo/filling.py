@@ -37,14 +37,21 @@ def fill(simulation):
     yield from settle(simulation)
 
 
+def first_step(simulation, stress_Pa: float) -> float:
+    """Of the stable step of unstressed sand, for an interval in which the stress grows to this: as waves get faster."""
+    growth = (simulation.law.rest_stress / max(stress_Pa, simulation.law.rest_stress)) ** (0.5 * simulation.law.degree)
+    return min(FIRST_STEP, 0.5 * growth)
+
+
 def gravity_ramp(simulation):
     """All sand is there; its weight grows linearly."""
     g, whole = simulation.gravity, duration(simulation)
     count = math.ceil(whole / simulation.interval)
+    weight = simulation.density * simulation.scene.silo.height_m
     for number in range(count):
         low, high = g * number / count, g * (number + 1) / count
         # while the weight grows so does the wave speed: stiffness goes with a power of the stress, the law's degree
-        growth = (low / high) ** (0.5 * simulation.law.degree) if number else FIRST_STEP
+        growth = (low / high) ** (0.5 * simulation.law.degree) if number else first_step(simulation, weight * high)
         yield simulation.advance(whole / count, (low, high), growth=growth)
 
 
@@ -72,6 +79,7 @@ def rain(simulation):
 def _portions(simulation, number: np.ndarray, pause: float, above: float):
     """The portions of the fill, numbered by point, one after the other, so far above their place [m]."""
     particles, fill_state = simulation.particles, simulation.fill_state
+    thick = simulation.density * simulation.gravity * (above + simulation.scene.silo.height_m / (1.0 + number.max()))
     intervals = max(1, math.ceil(pause / simulation.interval - 1e-9))
     for portion in range(int(number.max()) + 1):
         new = {name: values[number == portion] for name, values in fill_state.items()}
@@ -82,7 +90,9 @@ def _portions(simulation, number: np.ndarray, pause: float, above: float):
         load(particles, {name: np.concatenate([there[name], new[name]]) for name in there})
         simulation.identity = np.flatnonzero(number <= portion)[np.argsort(number[number <= portion], kind="stable")]
         for part in range(intervals):
-            growth = FIRST_STEP if portion + part == 0 else LANDING if above else 1.0
+            growth = LANDING if above else 1.0
+            if portion + part == 0:
+                growth = min(growth, first_step(simulation, 2.0 * thick))
             yield simulation.advance(pause / intervals, growth=growth)
 
 

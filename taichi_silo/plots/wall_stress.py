@@ -10,6 +10,7 @@ STATES = {  # colour, width (equal curves on top of each other both show), name
     "maximum": (VERMILLION, 3.4, "maximum (N largest)"),
     "residual": (BLUE, 1.8, "residual"),
 }
+BOLD = min(width for _, width, _ in STATES.values())
 LEGEND = f"bold: mean of both walls, as a pressure cell of {1e3 * CELL_M:g} mm reads; light: each wall, node by node"
 LOPSIDED = f"bold: as a pressure cell of {1e3 * CELL_M:g} mm reads; outlet off the middle: left solid, right dashed"
 STRESSES = {"normal_stress_Pa": "wall normal stress (kPa)", "shear_stress_Pa": "wall shear stress (kPa)"}
@@ -25,6 +26,7 @@ def run_wall_stress_figure(run):
         _draw(panel, run, quantity)
         panel.set_xlabel(STRESSES[quantity])
         start_at_zero([panel], "x")
+        _fit([panel])
     panels[0].set_ylabel("height above the initial bottom (mm)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
@@ -47,6 +49,7 @@ def case_wall_stress_figure(runs):
     for row in panels:
         row[0].set_ylabel("height (mm)")
         start_at_zero(row, "x")
+        _fit(row)
     handles = {}
     for panel in panels[0]:
         lines, labels = panel.get_legend_handles_labels()
@@ -55,6 +58,14 @@ def case_wall_stress_figure(runs):
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=columns)
     figure.suptitle(f"Wall stresses\n{LOPSIDED if any(run.lopsided for run in runs) else LEGEND}")
     return figure
+
+
+def _fit(panels):
+    """Let the bold curves fill the axis: single nodes in a corner may stick out."""
+    bold = [line.get_xdata() for panel in panels for line in panel.get_lines() if line.get_linewidth() >= BOLD]
+    bold = [curve for curve in bold if len(curve)]
+    if bold:
+        panels[0].set_xlim(right=1.35 * max(float(np.nanmax(curve)) for curve in bold))
 
 
 def _has_profiles(run) -> bool:
