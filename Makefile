@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper-check test test-long bench parts lint clean
+.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper paper-check test test-long bench parts lint clean
 
 setup: $(READY)
 
@@ -41,6 +41,10 @@ stability: $(READY)
 # speed against accuracy: error and cost of every dial (short; `scenarios/chart.py --full` takes hours)
 chart: $(READY)
 	$(BIN)/python scenarios/chart.py
+
+# all silo flows of the paper (figures 10 to 22), and the table of its statements (half an hour on one core)
+paper: $(READY)
+	$(BIN)/python scenarios/paper.py
 
 # the paper's statements on silo flow against the runs in outputs/paper (seconds)
 paper-check: $(READY)

@@ -28,7 +28,7 @@ RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
 STEP_SAFETY = 0.95  # of the stable step, which changes within an interval
 OPENED = -20.0  # speed of a gate that sand cannot follow [m/s]
 EXIT = 0.5  # of a cell below the floor: sand that has passed touches no node that can move
-SHORT, LANDING = 0.5, 0.7  # of an interval and of a time step in free outflow: sand that lands is stiff at once
+SHORT, LANDING = 0.5, 0.6  # of an interval and of a time step in free outflow: sand that lands is stiff at once
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
 
 
