@@ -10,6 +10,7 @@ STATES = {  # colour, width (equal curves on top of each other both show), name
     "maximum": (VERMILLION, 3.4, "maximum (N largest)"),
     "residual": (BLUE, 1.8, "residual"),
 }
+HOPPER_CELL_M = 0.05  # on inclined walls, where single rows of the grid mean little
 BOLD = min(width for _, width, _ in STATES.values())
 LEGEND = f"bold: mean of both walls, as a pressure cell of {1e3 * CELL_M:g} mm reads; light: each wall, node by node"
 LOPSIDED = f"bold: as a pressure cell of {1e3 * CELL_M:g} mm reads; outlet off the middle: left solid, right dashed"
@@ -91,7 +92,8 @@ def _draw(panel, run, quantity: str, name_origin: bool = True):
             panel.plot(mean / 1e3, 1e3 * height, color=color, linewidth=width, label=label, zorder=3)
         hopper = [_profile(run, state, wall, quantity) for wall in ("hopper_left", "hopper_right")]
         for height, stress in (profile for profile in hopper if len(profile[0])):
-            panel.plot(cell_mean(height, stress) / 1e3, 1e3 * height, color=color, linewidth=width, linestyle="-")
+            read = cell_mean(height, stress, HOPPER_CELL_M)
+            panel.plot(read / 1e3, 1e3 * height, color=color, linewidth=width)
     _draw_janssen(panel, run, quantity, name_origin)
     _draw_code(panel, run, quantity)
     top = run.parameter("silo", "height_m")
