@@ -14,6 +14,7 @@ SHORTEST_PERIODS = 12  # the weight must not grow faster than the column can fol
 LONGEST_SETTLING_PERIODS = 20  # at least
 SETTLED = 2e-4  # relative change of the wall force over two periods that counts as rest
 FIRST_STEP = 0.2  # of the stable step of unstressed sand: in the first interval the stress grows a thousandfold
+SECOND_STEP = 0.5  # of what the weight alone would allow: the first swing overshoots it
 LANDING = 0.4  # of the stable step while rain falls: what lands is stiff at once
 LAYER_PERIODS = 1.0  # of the whole column, between two layers
 RISE_PERIODS = 60.0  # of the whole column, that rain takes
@@ -52,6 +53,7 @@ def gravity_ramp(simulation):
         low, high = g * number / count, g * (number + 1) / count
         # while the weight grows so does the wave speed: stiffness goes with a power of the stress, the law's degree
         growth = (low / high) ** (0.5 * simulation.law.degree) if number else first_step(simulation, weight * high)
+        growth = SECOND_STEP * growth if number == 1 else growth
         yield simulation.advance(whole / count, (low, high), growth=growth)
 
 
