@@ -16,6 +16,7 @@ from typing import Annotated
 from typer import Option
 
 from taichi_silo import cli
+from taichi_silo.faults import BadInput
 from taichi_silo.scenario import Free
 from taichi_silo.scene import Flow
 from taichi_silo.vessel import Hopper, Outlet, Silo
@@ -36,12 +37,13 @@ def gravity_discharge(
 ):
     """Open the outlet and record the discharge, forces and wall stresses."""
     shape = {"width_m": width, "height_m": height, "section": section, "half": common.half}
+    if hopper_angle is not None and outlet_position != "centre":
+        raise BadInput(f"outlet position is {outlet_position}; that of a hopper must be centre")
     if hopper_angle is None:
         silo = Silo(**shape, outlet=Outlet(width_m=outlet_width, position=outlet_position))
     else:
         silo = Silo(**shape, hopper=Hopper(half_angle_deg=hopper_angle, outlet_width_m=outlet_width))
-    left, right = silo.outlet_m
-    most = share * silo.area_m2 / (right - left)
+    most = share * silo.area_m2 / silo.outlet_share_m
     common.run(silo, "gravity_discharge", Flow(outflow="gravity", displacement_m=most, longest_s=longest))
 
 

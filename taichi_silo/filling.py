@@ -62,6 +62,7 @@ def layers(simulation):
     height = simulation.fill_state["position"][:, 1]
     count = simulation.scene.filling.layers
     number = np.minimum((height / (height.max() + 1e-9) * count).astype(int), count - 1)
+    number = np.unique(number, return_inverse=True)[1]  # no layer is empty
     pause = LAYER_PERIODS * simulation.period
     yield from _portions(simulation, number, pause, 0.0)
 
@@ -90,7 +91,8 @@ def _portions(simulation, number: np.ndarray, pause: float, above: float):
         if "affine" in there:
             new["affine"] = np.zeros((len(new["mass"]), 4))
         load(particles, {name: np.concatenate([there[name], new[name]]) for name in there})
-        simulation.identity = np.flatnonzero(number <= portion)[np.argsort(number[number <= portion], kind="stable")]
+        old = simulation.identity if portion else simulation.identity[:0]
+        simulation.identity = np.concatenate([old, np.flatnonzero(number == portion)])
         for part in range(intervals):
             growth = LANDING if above else 1.0
             if portion + part == 0:

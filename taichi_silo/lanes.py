@@ -278,8 +278,6 @@ class Lanes:
         s = self.solver
         if ti.static(s.MIRRORED):
             self.fold(sums, j)
-        if ti.static(s.surfaces.ACTIVE):
-            s.surfaces.book_row(s.books, j, step.dt)
         for i in range(self.grid.columns):
             k = j * self.grid.columns + i
             total = eight(0.0)

@@ -27,7 +27,7 @@ def motion_of_node(
     x = old[0] + step.dt * (push[0] + step.gravity * down[0])
     y = old[1] + step.dt * (push[1] + step.gravity * down[1])
     if ti.static(surfaces.ACTIVE):
-        pressed_x, pressed_y = surfaces.force(k)
+        pressed_x, pressed_y = surfaces.press_on(books, k, j, step.dt, shared)
         x, y = x + step.dt / m * pressed_x, y + step.dt / m * pressed_y
     if ti.static(control.drag > 0.0 or control.filling_drag > 0.0):
         recent_x, recent_y = grid.recent_velocity(step, j, k, m)
@@ -65,8 +65,6 @@ def integrate_node(
     `last` says that nobody asks for the nodal mass afterwards.
     """
     k = j * grid.columns + i
-    if ti.static(surfaces.ACTIVE):
-        surfaces.book_from(books, i, j, step.dt)
     m, momentum, force = grid.mass[k], grid.momentum[k], grid.force[k]
     for copy in ti.static(range(1, grid.copies)):
         other = copy * grid.nodes + k

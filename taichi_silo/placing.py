@@ -43,10 +43,6 @@ class Section:
         """Plane or round."""
         return Axisymmetric() if self.round else PlaneStrain()
 
-    def outlet_share(self, width_m: float) -> float:
-        """Area of an outlet in the sense of `whole`: its width, in a round silo d^2 / (4 R)."""
-        return width_m**2 / (4.0 * self.width) if self.round else width_m
-
     @property
     def whole(self) -> float:
         """What is reported over what is computed, for sums over the sand.
@@ -152,7 +148,7 @@ def side_contact(scene, friction_angle_deg: float | None = None):
 def walls_of(scene, section: Section, grid: Grid) -> tuple:
     """Left, right, bottom; or left, right, floor (empty for a hopper) and gate."""
     silo, h, side = scene.silo, scene.grid.cell_size_m, side_contact(scene)
-    lowest = MARGIN + math.ceil(silo.transition_m / h + 1e-9) if silo.hopper else 0
+    lowest = MARGIN + math.ceil(silo.transition_m / h - 1e-9) if silo.hopper else 0
     left, right = grid.node_along(0.0), grid.node_along(section.width)
     axis = Glide()
     sides = (

@@ -64,10 +64,9 @@ class Common:
     values: dict
 
     def __getattr__(self, name: str):
-        try:
-            return self.values[name]
-        except KeyError:
-            raise AttributeError(name) from None
+        if name == "values" or name not in self.values:
+            raise AttributeError(name)
+        return self.values[name]
 
     def scene(self, silo: Silo, flow: Flow | None = None) -> Scene:
         """The scene of a silo; `flow` stands for the flags of controlled flow."""

@@ -6,7 +6,6 @@ work, in a sentence that names the value and its valid range.
 
 import math
 import os
-from functools import cached_property
 from typing import Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -226,7 +225,7 @@ class Scene(Table):
             raise ValueError(f"cell size is {h} m; it must divide the radius of {0.5 * silo.width_m} m of a round silo")
         if flow.outflow == "gravity" and silo.sinks:
             raise ValueError("outflow is gravity; the silo needs an outlet or a hopper that sand can fall out of")
-        most = silo.area_m2 / (right - left)
+        most = silo.area_m2 / silo.outlet_share_m
         if silo.sinks and flow.displacement_m > silo.height_m:
             raise ValueError(
                 f"displacement is {flow.displacement_m} m; it must be at most the height of {silo.height_m} m"
@@ -250,14 +249,14 @@ class Scene(Table):
         """Of the points."""
         return self.grid.cell_size_m / math.isqrt(self.grid.points_per_cell)
 
-    @cached_property
+    @property
     def points(self) -> int:
         """Number of material points; of a round silo those of its section from wall to wall."""
         d, silo = self.spacing_m, self.silo
         columns, rows = round(silo.width_m / d), round(silo.height_m / d)
         if silo.sinks or columns * rows > MOST_POINTS:
             return columns * rows
-        return len(silo.lattice(d)[0])
+        return silo.points(d)
 
     @property
     def wall_friction_angle_deg(self) -> float:

@@ -166,9 +166,9 @@ class Simulation:
         """
         scene, left_at = self.scene, self.time
         if self.control.drag:
+            pressing = self.solver.surfaces
             self.solver = self._solver(NoiseControl(relaxation=self.control.relaxation))
-        left, right = scene.silo.outlet_m
-        per_m = self.section.outlet_share(right - left) * self.density
+            self.solver.surfaces.take_over(pressing)
         reach = 0.5 * scene.grid.cell_size_m  # no sand may pass the exit by more within an interval
         end = self.flow_start + scene.flow.longest_s
         while self.time < end and self.particles.active[None] and self.time - left_at < AT_REST_S:
@@ -177,7 +177,6 @@ class Simulation:
             yield self.advance(min(short, reach / fastest), plate_velocity=(OPENED, OPENED), growth=LANDING)
             if self.ledger.mass > before:
                 left_at = self.time
-            self.displacement = self.whole * self.ledger.mass / per_m
             if self.displacement >= scene.flow.displacement_m:
                 return
 
@@ -208,8 +207,11 @@ class Simulation:
             raise RunFailed(self._astray(after.strays, dt))
         self.time += duration
         self.steps += steps
+        gone = self._settle()
         if plate_velocity[0] > OPENED:
             self.displacement -= 0.5 * (plate_velocity[0] + plate_velocity[1]) * duration
+        else:  # of a gate that would have let out as much
+            self.displacement = gone / (self.density * scene.silo.outlet_share_m)
         reaction = self._joined(reaction) / duration
         force = self.section.forces(reaction).sum(axis=1)
         record = Record(
@@ -233,7 +235,7 @@ class Simulation:
             strays=after.strays,
             speed_m_per_s=after.speed,
             profile=self.section.profile(reaction),
-            discharged_kg_per_m=self._settle(),
+            discharged_kg_per_m=gone,
             bodies_N_per_m=dict(zip(self.bodies, force[BODIES:].tolist(), strict=True)),
         )
         return record

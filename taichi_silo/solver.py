@@ -58,6 +58,15 @@ class Books:
                 self.reaction[wall, slot, c] = self.reaction[wall, slot, c] + impulse[c]
 
     @ti.func
+    def enter(self, wall, slot, impulse, shared: ti.template()):
+        """The same for a wall whose number is known only when the step runs."""
+        for c in ti.static(range(2)):
+            if ti.static(shared):
+                self.reaction[wall, slot, c] += impulse[c]
+            else:
+                self.reaction[wall, slot, c] = self.reaction[wall, slot, c] + impulse[c]
+
+    @ti.func
     def brake(self, row, impulse, shared: ti.template()):
         """The noise control has given a row of nodes an impulse."""
         for c in ti.static(range(2)):

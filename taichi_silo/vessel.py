@@ -5,6 +5,7 @@ A round silo is described by its section through the axis, which stands at half 
 """
 
 import math
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -154,6 +155,13 @@ class Silo(Table):
         return left, left + b
 
     @property
+    def outlet_share_m(self) -> float:
+        """Area of the outlet as `area_m2` counts: its width, in a round silo d^2 / (4 R)."""
+        left, right = self.outlet_m
+        width = right - left
+        return width**2 / (2.0 * self.width_m) if self.section == "round" else width
+
+    @property
     def transition_m(self) -> float:
         """Height at which a hopper meets the vertical walls; 0 without."""
         if self.hopper is None:
@@ -192,6 +200,10 @@ class Silo(Table):
             rows.append((x, np.full(len(x), y), np.full(len(x), spacing_m * (right - left) / count)))
         return tuple(np.concatenate(values) for values in zip(*rows, strict=True))
 
+    def points(self, spacing_m: float) -> int:
+        """How many those are."""
+        return _count(self, spacing_m)
+
     @property
     def box_m2(self) -> float:
         """Width times height, or of a round silo what `area_m2` is of a cylinder."""
@@ -204,14 +216,7 @@ class Silo(Table):
         bodies = sum(insert.area_m2() for insert in self.inserts)
         if self.section == "plane":
             return self.width_m * self.height_m - cut - bodies
-        # round: by a fine sum, once
-        n = 2000
-        x = (np.arange(n) + 0.5) / n * 0.5 * self.width_m
-        y = (np.arange(n) + 0.5) / n * self.height_m
-        x, y = np.meshgrid(x, y)
-        cell = 0.5 * self.width_m * self.height_m / n**2
-        radius = 0.5 * self.width_m
-        return float(2.0 / radius * (x * self.holds(radius + x, y)).sum() * cell)
+        return _round_area(self)
 
     def solids(self) -> list[np.ndarray]:
         """Outlines (n, 2) of hopper walls and inserts, for pictures [m]."""
@@ -234,3 +239,18 @@ class Silo(Table):
             found.append(f"hopper of {self.hopper.half_angle_deg:g}° with {1e3 * self.hopper.outlet_width_m:g} mm")
         found += [f"{insert.kind} of {1e3 * insert.width_m:g} mm" for insert in self.inserts]
         return ", ".join(found)
+
+
+@lru_cache(maxsize=64)
+def _count(silo: Silo, spacing_m: float) -> int:
+    return len(silo.lattice(spacing_m)[0])
+
+
+@lru_cache(maxsize=64)
+def _round_area(silo: Silo, cells: int = 1000) -> float:
+    """`Silo.area_m2` of a round silo, by a fine sum."""
+    radius = 0.5 * silo.width_m
+    x = (np.arange(cells) + 0.5) / cells * radius
+    y = (np.arange(2 * cells) + 0.5) / (2 * cells) * silo.height_m
+    x, y = np.meshgrid(x, y)
+    return float(2.0 / radius * (x * silo.holds(radius + x, y)).mean() * radius * silo.height_m)

@@ -35,15 +35,15 @@ def certificate(records: pd.DataFrame, filled: dict | None, final: dict, simulat
     flow = records[records.stage == "flow"]
     if flow.empty or filled is None:
         return found
-    if not simulation.half:  # else they are equal because one is the other's image
+    if simulation.points_per_computed == 1:  # else they are equal because one is the other's image
         difference = (flow.left_normal_N_per_m - flow.right_normal_N_per_m).abs()
         found["left_right_difference_over_weight"] = float(difference.max() / weight)
         if (difference > 1e-9 * weight).any():
             onset = flow.displacement_m[difference > 1e-9 * weight]
             found["left_right_difference_from_displacement_m"] = float(onset.iloc[0])
-    work = weight * flow.displacement_m
-    found["largest_kinetic_energy_over_work"] = float((flow.kinetic_energy_J_per_m / work).max())
     if simulation.scene.flow.outflow == "controlled":
+        work = weight * flow.displacement_m
+        found["largest_kinetic_energy_over_work"] = float((flow.kinetic_energy_J_per_m / work).max())
         found |= _steady_measures(flow, simulation)
     return found | _state_measures(filled, final, simulation.scene) if len(final["mass"]) else found
 
@@ -74,6 +74,10 @@ def _state_measures(filled: dict, final: dict, scene) -> dict:
     below = y < SURFACE * height
     core = below & (np.abs(x - 0.5 * width) <= 0.25 * width * (1.0 + 1e-9))
     mass = filled["mass"]
+    if scene.silo.section == "round":  # per metre of the point's own girth
+        mass = mass * np.abs(x - 0.5 * width)
+    if not below.any() or not core.any():
+        return {}
     growth = final["void_ratio"] - filled["void_ratio"]
     path = final["path"] - filled["path"]
     still = _unsheared(filled, final, below)

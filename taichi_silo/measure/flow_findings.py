@@ -24,11 +24,14 @@ def flow_findings(filled: dict, before: dict, now: dict, scene) -> dict:
     origin = np.array([0.0, (now["sunk_m"] - before["sunk_m"]) / seconds])
     place, velocity, index = mean_velocity(*over, seconds, before["identity"], now["identity"])
     velocity = velocity - origin  # in the laboratory
-    volume = before["volume"][index]
+    volume, breadth = before["volume"][index], silo.width_m
+    if silo.section == "round":  # volumes are per metre of a point's own girth, the outflow per metre of the wall's
+        breadth = 0.5 * silo.width_m
+        volume = volume * np.abs(place[:, 0] - breadth) / breadth
     outflow = (now["left_m2"] - before["left_m2"]) / seconds
     height = float(np.quantile(place[:, 1], 0.99))
     if outflow > 0.0:
-        pattern = flow_pattern(place, velocity, volume, silo.width_m, height, outflow / silo.width_m)
+        pattern = flow_pattern(place, velocity, volume, silo.width_m, height, outflow / breadth)
         found["flow_pattern"] = {
             "kind": pattern.kind,
             "transition_left_m": pattern.transition_left_m,

@@ -71,8 +71,10 @@ class WallProfiles(Observer):
             coordinate, stress = wall_stress(profile[wall, :slots], h, closed=name == "bottom")
             normal, shear = (stress[:, 0], stress[:, 1]) if name != "bottom" else (stress[:, 1], stress[:, 0])
             normal = -normal if name == "right" else normal
+            lowest = -np.inf if name == "bottom" else self.simulation.scene.silo.transition_m + origin - 1e-9
             for place, n, t in zip(coordinate + origin, normal, shear, strict=True):
-                writer.writerow([state, name, f"{place:.6g}", f"{n:.6g}", f"{t:.6g}"])
+                if place >= lowest:  # below there is the wall of a hopper
+                    writer.writerow([state, name, f"{place:.6g}", f"{n:.6g}", f"{t:.6g}"])
         for number, name in enumerate(self.simulation.bodies):
             if name.startswith("hopper"):
                 rows = surface_stress(self.simulation, number, profile[BODIES + number])
@@ -113,25 +115,19 @@ class WallProfiles(Observer):
 
 
 def surface_stress(simulation, number: int, force: np.ndarray):
-    """Heights [m], normal and shear stress [Pa] (upwards positive on the sand) along a hopper wall, row by row.
+    """Heights [m], normal and shear stress [Pa] (upwards positive on the sand) of a hopper wall, by rows of nodes.
 
     `force` (slots, 2) is that of the wall on the sand at each row [N/m, or per radian].
     """
     surfaces, h = simulation.solver.surfaces, simulation.scene.grid.cell_size_m
-    mine = surfaces.owners == surfaces.first_wall + number
-    row = np.floor(surfaces.places[mine, 1] / h + 1e-9).astype(int)
-    normal = surfaces.normals[mine][0]
+    wall = surfaces.first_wall + number
+    area = surfaces.area_by_row(wall)
+    normal = surfaces.normals[surfaces.owners == wall][0]
     tangent = np.array([-normal[1], normal[0]])
     tangent = tangent if tangent[1] > 0.0 else -tangent
-    heights, normals, shears = [], [], []
-    for number_of_row in np.unique(row[row >= 0]):
-        here = row == number_of_row
-        area = surfaces.areas[mine][here].sum()
-        pushed = force[number_of_row + MARGIN]
-        heights.append(float(surfaces.places[mine][here, 1].mean()))
-        normals.append(float(-(pushed @ normal) / area))
-        shears.append(float((pushed @ tangent) / area))
-    return heights, normals, shears
+    rows = np.flatnonzero((area > 0.25 * area.max()) & (np.arange(len(area)) >= MARGIN))
+    force, area = force[rows], area[rows]
+    return (rows - MARGIN) * h, -(force @ normal) / area, (force @ tangent) / area
 
 
 def wall_stress(force: np.ndarray, cell_size_m: float, closed: bool) -> tuple[np.ndarray, np.ndarray]:

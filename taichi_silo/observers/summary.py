@@ -66,9 +66,8 @@ class Summary(Observer):
 
     def _state(self) -> dict:
         simulation = self.simulation
-        left, right = simulation.scene.silo.outlet_m
         sunk = -simulation.origin_m
-        out = simulation.displacement * simulation.section.outlet_share(right - left)
+        out = simulation.displacement * simulation.scene.silo.outlet_share_m
         return simulation.points() | {
             "displacement_m": simulation.displacement, "time_s": simulation.time, "sunk_m": sunk, "left_m2": out,
         }  # fmt: skip
@@ -167,7 +166,7 @@ class Summary(Observer):
         except ValueError:  # no pressure ratio gives this force: a wall without contact, or a fill that hangs
             found["pressure_ratio_fitted"] = None
         for key in ("K0", "measured"):
-            if not found[f"pressure_ratio_{key}"] > 0.0:
+            if not (found[f"pressure_ratio_{key}"] > 0.0 and 0.0 <= angle < 90.0):
                 continue
             theory = janssen_of(scene, angle, found[f"pressure_ratio_{key}"])
             forces = {"normal_N_per_m": theory.normal_force_N_per_m, "shear_N_per_m": theory.shear_force_N_per_m}
@@ -238,4 +237,7 @@ def measured_pressure_ratio(points: dict, scene, spacing_m: float) -> float:
     wall = band & ((x < spacing_m) | (x > scene.silo.width_m - spacing_m))
     if not wall.any():
         return float("nan")
-    return float(horizontal[wall].mean() / np.average(vertical[band], weights=points["volume"][band]))
+    weights = points["volume"][band]
+    if scene.silo.section == "round":  # volumes are per metre of the point's own girth
+        weights = weights * np.abs(x[band] - 0.5 * scene.silo.width_m)
+    return float(horizontal[wall].mean() / np.average(vertical[band], weights=weights))

@@ -18,7 +18,7 @@ def scene_of(case: Case, cell_size_m: float = 0.005, speed_m_per_s: float = 0.00
     silo = Silo(width_m=case.silo_width_m, height_m=case.silo_height_m, half="no", outlet=outlet)
     flow = Flow(speed_m_per_s=speed_m_per_s, displacement_m=case.displacement_m)
     if case.gravity:
-        flow = Flow(outflow="gravity", displacement_m=silo.area_m2 / opening.width_m, longest_s=LONGEST_S)
+        flow = Flow(outflow="gravity", displacement_m=silo.area_m2 / silo.outlet_share_m, longest_s=LONGEST_S)
     law = "intergranular" if case.gravity else "gudehus-bauer"
     return Scene(
         silo=silo,

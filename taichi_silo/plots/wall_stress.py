@@ -64,9 +64,9 @@ def case_wall_stress_figure(runs):
 def _fit(panels):
     """Let the bold curves fill the axis: single nodes in a corner may stick out."""
     bold = [line.get_xdata() for panel in panels for line in panel.get_lines() if line.get_linewidth() >= BOLD]
-    bold = [curve for curve in bold if len(curve)]
-    if bold:
-        panels[0].set_xlim(right=1.35 * max(float(np.nanmax(curve)) for curve in bold))
+    largest = max((float(curve[np.isfinite(curve)].max(initial=0.0)) for curve in map(np.asarray, bold)), default=0.0)
+    if largest > 0.0:
+        panels[0].set_xlim(right=1.35 * largest)
 
 
 def _has_profiles(run) -> bool:

@@ -60,17 +60,18 @@ def theory_of(scene, angle_deg: float, pressure_ratio: float) -> dict:
     )  # fmt: skip
     code = eurocode_of(straight, eccentricity)
     deepest = straight.height_m
-    found["eurocode"] = {
-        "slenderness": code.slenderness,
-        "discharge_factors": list(code.discharge_factors),
-        "filling_normal_Pa": float(code.filling_normal_Pa(deepest)),
-        "discharge_normal_Pa": float(code.discharge_normal_Pa(deepest)),
-        "discharge_shear_Pa": float(code.discharge_shear_Pa(deepest)),
-        "large_eccentricity": bool(eccentricity > 0.25 * silo.width_m),
-        "limits": code.limits(),
-    }
+    found["eurocode"] = {"slenderness": code.slenderness, "limits": code.limits()}
+    if code.slenderness != "retaining":  # of which the code gives other pressures
+        found["eurocode"] |= {
+            "discharge_factors": list(code.discharge_factors),
+            "filling_normal_Pa": float(code.filling_normal_Pa(deepest)),
+            "discharge_normal_Pa": float(code.discharge_normal_Pa(deepest)),
+            "discharge_shear_Pa": float(code.discharge_shear_Pa(deepest)),
+            "large_eccentricity": bool(eccentricity > 0.25 * silo.width_m),
+        }
     if silo.hopper is not None and 0.0 < angle_deg < 90.0:
         above = float(janssen_of(scene, angle_deg, pressure_ratio).vertical_stress_Pa(deepest))
+        girths = 2 if silo.section == "round" else 1  # metres of girth that forces are counted for
         for state in ("filling", "discharge"):
             try:
                 hopper = hopper_of(scene, angle_deg, pressure_ratio, above, state)
@@ -79,8 +80,8 @@ def theory_of(scene, angle_deg: float, pressure_ratio: float) -> dict:
                 break
             found[f"walker_{state}"] = {
                 "transition_normal_Pa": float(hopper.transition_normal_stress_Pa),
-                "wall_force_N_per_m": float(hopper.wall_force_N_per_m),
-                "outlet_force_N_per_m": float(hopper.outlet_force_N_per_m),
+                "wall_force_N_per_m": float(girths * hopper.wall_force_N_per_m),
+                "outlet_force_N_per_m": float(girths * hopper.outlet_force_N_per_m),
             }
     if not silo.sinks:
         grain, density = scene.sand.d50_m, scene.density_kg_per_m3

@@ -22,6 +22,7 @@ from taichi_silo.walls.coulomb import Coulomb, NoSlip
 
 PER_CELL = 4  # stations along the edge of a cell
 STIFFNESS = 0.1  # k dt^2 / (rho h): the square of the angle by which sand on the wall swings in a step
+ON_AXIS = 1e-6  # of a cell: nearer to the axis of a round silo there is no wall
 LEAST = 0.02  # of the density of the full station's surroundings: less sand, and nothing touches
 
 
@@ -63,6 +64,9 @@ class NoSurfaces:
     def clear(self) -> None:
         """Nothing to let go."""
 
+    def take_over(self, other) -> None:
+        """Nothing to take over."""
+
 
 @ti.data_oriented
 class Surfaces:
@@ -85,7 +89,7 @@ class Surfaces:
 
     def __init__(self, surfaces, grid, density: float, first_wall: int, depth):
         h = grid.cell_size
-        self.grid, self.density, self.first_wall, self.names = grid, density, first_wall, [s.name for s in surfaces]
+        self.grid, self.density, self.first_wall = grid, density, first_wall
         places, normals, areas, friction, owner = [], [], [], [], []
         for number, surface in enumerate(surfaces):
             x, n, s = surface.stations(h)
@@ -98,7 +102,8 @@ class Surfaces:
         place, normal, area = np.concatenate(places), np.concatenate(normals), np.concatenate(areas)
         row = np.floor(place[:, 1] / h + 1e-9).astype(int) + MARGIN
         order = np.argsort(row, kind="stable")
-        inside = (row[order] >= 0) & (row[order] < grid.rows)
+        # none outside the grid, and in a round silo none beyond the axis
+        inside = (row[order] >= 0) & (row[order] < grid.rows) & (depth(place[order, 0]) > ON_AXIS * h)
         order = order[inside]
         place, normal, area, row = place[order], normal[order], area[order], row[order]
         friction, owner = np.concatenate(friction)[order], np.concatenate(owner)[order]
@@ -110,6 +115,7 @@ class Surfaces:
         self.wall = ti.field(ti.i32, shape=self.count)
         self.wall.from_numpy(owner.astype(np.int32))
         patch, weight = self._weights(place / h)
+        self.patches, self.station_weights = patch, weight
         self.patch = ti.field(ti.i32, shape=self.count)
         self.patch.from_numpy(patch)
         self.weight = ti.field(real, shape=(self.count, 9))
@@ -145,38 +151,35 @@ class Surfaces:
         self.traction.fill(0.0)
         self.seen.fill(0.0)
 
+    def take_over(self, other: "Surfaces") -> None:
+        """Press as others, of the same walls, did."""
+        self.traction.copy_from(other.traction)
+        self.seen.copy_from(other.seen)
+
+    def area_by_row(self, wall: int) -> np.ndarray:
+        """Area of a wall that the nodes of each row stand for (rows,) [m2/m, or per radian]."""
+        mine = self.owners == wall
+        area, patch = self.areas[mine, None] * self.station_weights[mine], self.patches[mine]
+        row = patch[:, None] // self.grid.columns + np.repeat(np.arange(3), 3)[None, :]
+        return np.bincount(row.ravel(), area.ravel(), minlength=self.grid.rows)
+
     @ti.func
-    def force(self, k):
-        """Force on node k."""
+    def press_on(self, books: ti.template(), k, j, dt, shared: ti.template()):
+        """Force on node k of row j; what it gets in a step is booked for the wall, in that row."""
         x, y = 0.0, 0.0
         for n in range(self.begin[k], self.begin[k + 1]):
             q = self.link[n]
             s = self.given[n] * self.seen[k, 0] * self.traction[q, 3]
             p, tau, nx, ny = self.traction[q, 0], self.traction[q, 1], self.fixed[q, 0], self.fixed[q, 1]
-            x -= s * (p * nx - tau * ny)
-            y -= s * (p * ny + tau * nx)
+            fx, fy = -s * (p * nx - tau * ny), -s * (p * ny + tau * nx)
+            x, y = x + fx, y + fy
+            books.enter(self.wall[q], j, (fx * dt, fy * dt), shared)
         return x, y
 
     @ti.func
     def note(self, k, mass, x, y):
         """Mass and velocity of node k after a step."""
         self.seen[k, 0], self.seen[k, 1], self.seen[k, 2] = mass, x, y
-
-    @ti.func
-    def book_from(self, books: ti.template(), i, j, dt):
-        """Node (i, j) enters the impulses of its row if it is the row's first."""
-        if i == 0:
-            self.book_row(books, j, dt)
-
-    @ti.func
-    def book_row(self, books: ti.template(), j, dt):
-        """Enter the impulses of the stations of row j."""
-        for q in range(self.row[j], self.row[j + 1]):
-            p, tau, nx, ny = self.traction[q, 0], self.traction[q, 1], self.fixed[q, 0], self.fixed[q, 1]
-            s = 0.0 - self.fixed[q, 2] * dt
-            w = self.wall[q]
-            books.reaction[w, j, 0] = books.reaction[w, j, 0] + s * (p * nx - tau * ny)
-            books.reaction[w, j, 1] = books.reaction[w, j, 1] + s * (p * ny + tau * nx)
 
     @ti.func
     def press_row(self, j, dt):

@@ -109,8 +109,9 @@ def trough(angle_deg, cell, along_axis=2, height=1.0, foot=0.8):
     body.advance(2000, dt, gravity=(G, G), filling_drag=drag)
     force = body.books.take()[0] / (2000 * dt)
     normal = force[2] @ np.array([-math.cos(angle), math.sin(angle)])
-    low = np.arange(len(normal) - MARGIN) * cell
-    normal, high = normal[MARGIN:], np.minimum(low + cell, height)
+    normal = np.concatenate([[normal[: MARGIN + 1].sum()], normal[MARGIN + 1 :]])  # nodes below share with the lowest
+    low = np.maximum((np.arange(len(normal)) - 0.5) * cell, 0.0)  # what the nodes of a row stand for
+    high = np.minimum((np.arange(len(normal)) + 0.5) * cell, height)
     exact = np.where(low < height, DENSITY * G * (high - low) * (height - 0.5 * (low + high)), 0.0) / math.cos(angle)
     fifths = [(low >= a * height - 1e-9) & (low < (a + 0.2) * height - 1e-9) for a in (0.0, 0.2, 0.4, 0.6)]
     worst = max(abs(normal[part].sum() / exact[part].sum() - 1.0) for part in fifths)

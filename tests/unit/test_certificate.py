@@ -43,7 +43,9 @@ def state(time_s, settle=0.0, path=0.0):
 
 
 def judge(records, final):
-    simulation = SimpleNamespace(scene=SCENE, settled=True, period=PERIOD, flow_start=0.0, mass=165.6, half=False)
+    simulation = SimpleNamespace(
+        scene=SCENE, settled=True, period=PERIOD, flow_start=0.0, mass=165.6, points_per_computed=1
+    )
     return certificate(records, state(0.0), final, simulation)
 
 
