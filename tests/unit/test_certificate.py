@@ -82,3 +82,14 @@ def test_a_flow_that_ends_in_its_start_has_no_steady_measures():
     found = judge(history(rows=20), state(0.04))
     assert "noise_of_normal_force" not in found
     assert "mean_void_ratio_drift" in found
+
+
+def test_a_silo_that_has_emptied_but_for_its_corners_has_a_certificate():
+    final = state(1.0)
+    corner = final["position"][:, 0] < 0.03
+    final = {name: values[corner] if isinstance(values, np.ndarray) else values for name, values in final.items()}
+    filled = {name: values[corner] if isinstance(values, np.ndarray) else values for name, values in state(0.0).items()}
+    simulation = SimpleNamespace(
+        scene=SCENE, settled=True, period=PERIOD, flow_start=0.0, mass=165.6, points_per_computed=1
+    )
+    assert "core_strain_path" not in certificate(history(), filled, final, simulation)

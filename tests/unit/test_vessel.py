@@ -1,6 +1,8 @@
 """The silo that a user gives: geometry that agrees with itself, and what is refused."""
 
+import copy
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -9,9 +11,13 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from taichi_silo.measure.matching import matched
+from taichi_silo.placing import Section, grid_of, surfaces_of
+from taichi_silo.scenario import Controlled
 from taichi_silo.scene import Mesh, Scene
 from taichi_silo.table import one_sentence
+from taichi_silo.theory.of_scene import theory_of
 from taichi_silo.vessel import Hopper, Insert, Outlet, Silo
+from taichi_silo.walls.surfaces import Surfaces
 
 
 def area_of(outline):
@@ -107,3 +113,42 @@ def test_points_are_found_again_by_their_identity():
     now = {"identity": np.array([7, 4])}
     assert matched(before, now)["mass"].tolist() == [70.0, 40.0]
     assert matched(before, now)["time_s"] == 1.0
+
+
+def test_an_insert_of_a_round_silo_ends_at_the_axis():
+    silo = Silo(
+        section="round", outlet=Outlet(width_m=0.08), inserts=(Insert(kind="roof", width_m=0.06, bottom_m=0.1),)
+    )
+    scene = Scene(silo=silo, grid=Mesh(cell_size_m=0.02))
+    section = Section.of(scene)
+    grid = grid_of(scene, section, 1)
+    found = Surfaces(surfaces_of(scene, section), grid, 1000.0, 4, section.geometry.depth)
+    assert (found.places[:, 0] > 0.0).all()
+    assert (found.areas > 0.0).all()
+    slant = math.hypot(0.03, 0.06)
+    lateral = (0.5 * 0.03) * slant + 0.5 * 0.03**2  # per radian: the cone and its base
+    assert found.areas.sum() == pytest.approx(lateral, rel=0.02)
+    rows = found.area_by_row(4)
+    assert rows.sum() == pytest.approx(found.areas.sum(), rel=1e-12)
+
+
+def test_a_round_silo_is_empty_when_its_outlet_has_let_out_its_content():
+    silo = Silo(section="round", outlet=Outlet(width_m=0.08))
+    content, opening = math.pi * 0.1**2 * 0.5, math.pi * 0.04**2
+    assert silo.area_m2 / silo.outlet_share_m == pytest.approx(content / opening, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "silo", [Silo(width_m=0.5, height_m=0.2), Silo(hopper=Hopper(half_angle_deg=11, outlet_width_m=0.02))]
+)
+def test_theories_are_silent_where_they_do_not_hold(silo):
+    found = theory_of(Scene(silo=silo, grid=Mesh(cell_size_m=0.01)), 19.0, 0.42)
+    assert found["eurocode"]["slenderness"] == "retaining"
+    assert "discharge_normal_Pa" not in found["eurocode"]
+
+
+def test_flags_can_be_copied():
+    flags = Controlled({"width": 0.2})
+    assert pickle.loads(pickle.dumps(copy.deepcopy(flags))).width == 0.2
+    with pytest.raises(AttributeError):
+        _ = flags.height
