@@ -16,7 +16,8 @@ from taichi_silo.vessel import Hopper, Insert, Outlet, Silo
 
 SMOOTH, ROUGH = Walls(kind="smooth"), Walls(kind="very-rough")
 SLOW = Flow(speed_m_per_s=0.02, displacement_m=0.006)
-FALL = Flow(outflow="gravity", displacement_m=2.0, longest_s=1.0)
+FALL = Flow(outflow="gravity", displacement_m=2.0, longest_s=0.4)
+WIDE = Outlet(width_m=0.12)
 MIDDLE, BESIDE = Outlet(width_m=0.08), Outlet(width_m=0.08, position="right")
 HOPPER = Hopper(half_angle_deg=20.0, outlet_width_m=0.08)
 ROOF = Insert(kind="roof", width_m=0.06, bottom_m=0.15)
@@ -31,7 +32,7 @@ SILOS = {  # silo, walls, flow, filling
     "cone": (Silo(section="round", width_m=0.24, hopper=HOPPER), SMOOTH, SLOW, "gravity-ramp"),
     "layers": (Silo(half="no"), SMOOTH, SLOW, "layers"),
     "rain": (Silo(half="no"), SMOOTH, SLOW, "rain"),
-    "fall": (Silo(outlet=MIDDLE), SMOOTH, FALL, "gravity-ramp"),
+    "fall": (Silo(outlet=WIDE, height_m=0.3), SMOOTH, FALL, "gravity-ramp"),
 }
 CURVES = ("displacement_m", "bottom_N_per_m", "shear_N_per_m", "normal_N_per_m", "discharged_kg_per_m")
 
@@ -40,9 +41,10 @@ class History:
     """A run kept in memory."""
 
     def __init__(self, silo, walls, flow, filling):
+        cell = 0.01 if flow is FALL else 0.02  # an outlet of a few cells hardly lets sand through
         runtime.init()
         self.scene = Scene(
-            silo=silo, walls=walls, flow=flow, sand=Sand(void_ratio=0.60), grid=Mesh(cell_size_m=0.02),
+            silo=silo, walls=walls, flow=flow, sand=Sand(void_ratio=0.60), grid=Mesh(cell_size_m=cell),
             filling=Filling(kind=filling, layers=10), method=Method(filling_time_s=0.3, longest_settling_s=0.3),
         )  # fmt: skip
         simulation = Simulation(self.scene)
@@ -168,7 +170,7 @@ def test_an_insert_carries_more_than_the_sand_above_it_weighs_per_width(historie
         )
         share = 0.06 / 0.2 * history.weight
         assert before > 0.4 * share
-        assert after > 1.1 * before
+        assert after > 1.02 * before
 
 
 def janssen(scene, **choices):
@@ -206,12 +208,12 @@ def test_however_it_is_filled_all_sand_is_there_and_at_rest(histories, way):
 
 
 def test_sand_falls_out_no_faster_than_beverlo_says(histories):
-    """Far slower on this grid: of an outlet of four cells, those beside its edges hardly let sand through."""
+    """Slower on this grid: beside the edges of an outlet of twelve cells hardly any sand passes."""
     history = histories["fall"]
-    flow = [r for r in history.flow if r.time_s > history.flow[0].time_s + 0.2]
+    flow = [r for r in history.flow if r.time_s > history.flow[0].time_s + 0.15]
     rate = (flow[-1].discharged_kg_per_m - flow[0].discharged_kg_per_m) / (flow[-1].time_s - flow[0].time_s)
-    law = slot_rate_kg_per_s_m(0.08, history.scene.density_kg_per_m3, 0.5e-3)
-    assert 0.05 * law < rate < law
+    law = slot_rate_kg_per_s_m(0.12, history.scene.density_kg_per_m3, 0.5e-3)
+    assert 0.2 * law < rate < law
 
 
 def test_layers_are_no_noisier_than_a_ramp(histories):
