@@ -6,7 +6,7 @@ without that sand overshoots its strength at these stresses, and a rough column 
 it.
 
 What to expect: a funnel above the outlet, a discharge rate of the order of Beverloo's, wall stresses that vary strongly
-in time, and sand that stays on the floor beside the outlet at its angle of repose.
+in time, and, on a floor with friction, sand that stays beside the outlet.
 
 Cost: 4,000 points, about 100,000 steps a second of flow, some 20 seconds each on one core.
 """
