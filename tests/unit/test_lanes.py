@@ -13,6 +13,7 @@ from taichi_silo import runtime
 from taichi_silo.scene import Averaging, Flow, Mesh, Method, Sand, Scene, Silo, Walls
 from taichi_silo.simulation import Simulation
 from taichi_silo.solver import Solver
+from taichi_silo.vessel import Hopper, Outlet
 
 LANES = True  # see conftest.py
 SCRIPT = """
@@ -109,6 +110,8 @@ def after(lanes, steps, threads=1, monkeypatch=None, **scene):
     return simulation.particles.arrays(), *simulation.solver.books.take()
 
 
+HOPPER = Silo(width_m=0.1, height_m=0.2, hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.05))
+ROUND = Silo(width_m=0.1, height_m=0.2, section="round", outlet=Outlet(width_m=0.04))
 SCENES = {
     "very rough": {},
     "smooth, four points a cell": {"walls": Walls(kind="smooth"), "grid": Mesh(cell_size_m=0.01, points_per_cell=4)},
@@ -118,6 +121,8 @@ SCENES = {
     "cpgimp, pic": {"grid": Mesh(cell_size_m=0.01, shape="cpgimp"), "method": Method(transfer="pic")},
     "memory": {"sand": Sand(law="intergranular")},
     "non-local": {"averaging": Averaging(characteristic_length_m=0.01)},
+    "hopper": {"silo": HOPPER, "walls": Walls(kind="smooth")},
+    "round, outlet": {"silo": ROUND},
 }
 
 
@@ -130,7 +135,9 @@ def test_lanes_do_the_step_of_the_plain_loop(scene, monkeypatch):
         assert np.abs(one - other).max() <= 1e-12 * np.abs(plain[1]).max()
 
 
-@pytest.mark.parametrize("scene", [SCENES["very rough"], SCENES["non-local"]], ids=["local", "non-local"])
+@pytest.mark.parametrize(
+    "scene", [SCENES["very rough"], SCENES["non-local"], SCENES["hopper"]], ids=["local", "non-local", "hopper"]
+)
 def test_two_threads_do_what_one_does_bit_by_bit(scene, monkeypatch):
     one, two = (after(True, 300, threads, monkeypatch, **scene) for threads in (1, 2))
     assert all((field == two[0][name]).all() for name, field in one[0].items())
