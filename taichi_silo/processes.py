@@ -98,7 +98,12 @@ class Processes:
                     env=os.environ | task.environment, start_new_session=True,
                 )  # fmt: skip
                 self.children.add(child)
-            rest = self._talk(child, task)
+            try:
+                rest = self._talk(child, task)
+            except BaseException:  # whoever listens asked to stop: this worker must not begin the next task
+                with self.lock:
+                    self.stopped = True
+                raise
             with self.lock:
                 self.children.discard(child)
             if child.returncode == 0:

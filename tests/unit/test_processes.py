@@ -84,6 +84,20 @@ def test_an_interrupt_lets_the_children_put_their_files_in_order(task, tmp_path)
     assert time.monotonic() - begun < 15.0, "without waiting for the grace to pass"
 
 
+def test_no_task_begins_between_an_interrupt_and_the_stop(task, tmp_path):
+    class Slow(Processes):
+        def _stop(self):
+            time.sleep(1.0)
+            super()._stop()
+
+    def heard(one, line):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        Slow(1).run([task("long", f"wait {tmp_path / 'kept'}"), task("never", f"wait {tmp_path / 'no'}")], heard)
+    assert (tmp_path / "kept").exists() and not (tmp_path / "no").exists()
+
+
 def test_no_child_outlives_a_parent_that_was_killed(task, tmp_path):
     command = [sys.executable, "-c", textwrap.dedent(PARENT), f"wait {tmp_path / 'kept'}"]
     parent = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
