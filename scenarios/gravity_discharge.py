@@ -15,7 +15,7 @@ from typing import Annotated
 
 from typer import Option
 
-from taichi_silo import cli
+from taichi_silo import cli, flags
 from taichi_silo.faults import BadInput
 from taichi_silo.scenario import Free
 from taichi_silo.scene import Flow
@@ -23,16 +23,16 @@ from taichi_silo.vessel import Hopper, Outlet, Silo
 
 
 def gravity_discharge(
-    outlet_width: Annotated[float, Option(help="of the outlet [m]")] = 0.08,
-    outlet_position: Annotated[str, Option(help="centre | left | right")] = "centre",
+    outlet_width: flags.OutletFlag = 0.08,
+    outlet_position: flags.PositionFlag = "centre",
     hopper_angle: Annotated[
         float | None, Option(help="half angle of a hopper's walls, from the vertical [deg]; a flat floor if not given")
     ] = None,
     longest: Annotated[float, Option(help="time of flow after which the run ends [s]")] = 4.0,
     share: Annotated[float, Option(help="of the sand that has left when the run ends [-]")] = 1.0,
-    width: Annotated[float, Option(help="of the silo, or its diameter [m]")] = 0.2,
-    height: Annotated[float, Option(help="of the fill [m]")] = 0.5,
-    section: Annotated[str, Option(help="plane | round")] = "plane",
+    width: flags.WidthFlag = 0.2,
+    height: flags.HeightFlag = 0.5,
+    section: flags.SectionFlag = "plane",
     common: Free = None,
 ):
     """Open the outlet and record the discharge, forces and wall stresses."""

@@ -11,20 +11,20 @@ from typing import Annotated
 
 from typer import Option
 
-from taichi_silo import cli
+from taichi_silo import cli, flags
 from taichi_silo.scenario import Controlled
 from taichi_silo.vessel import Hopper, Silo
 
 
 def hopper(
     half_angle: Annotated[float, Option(help="of the hopper's walls, from the vertical [deg]")] = 20.0,
-    outlet_width: Annotated[float, Option(help="of the outlet [m]")] = 0.06,
+    outlet_width: flags.OutletFlag = 0.06,
     hopper_friction_angle: Annotated[
         float | None, Option(help="of the hopper's walls [deg]; as the side walls if not given")
     ] = None,
-    width: Annotated[float, Option(help="of the silo, or its diameter [m]")] = 0.2,
-    height: Annotated[float, Option(help="of the fill above the outlet [m]")] = 0.5,
-    section: Annotated[str, Option(help="plane | round: a wedge, or a cone")] = "plane",
+    width: flags.WidthFlag = 0.2,
+    height: flags.HeightFlag = 0.5,
+    section: flags.SectionFlag = "plane",
     common: Controlled = None,
 ):
     """Let sand flow out of a hopper at a given speed and record forces, wall stresses and shear zones."""

@@ -11,7 +11,7 @@ from typing import Annotated
 
 from typer import Option
 
-from taichi_silo import cli
+from taichi_silo import cli, flags
 from taichi_silo.scenario import Controlled
 from taichi_silo.vessel import Insert, Outlet, Silo
 
@@ -24,9 +24,9 @@ def insert(
     insert_friction_angle: Annotated[
         float | None, Option(help="of the insert [deg]; as the side walls if not given")
     ] = None,
-    outlet_width: Annotated[float, Option(help="of the opening of the floor [m]; its edges lie on the grid")] = 0.08,
-    width: Annotated[float, Option(help="of the silo [m]")] = 0.2,
-    height: Annotated[float, Option(help="of the fill [m]")] = 0.5,
+    outlet_width: flags.OutletFlag = 0.08,
+    width: flags.WidthFlag = 0.2,
+    height: flags.HeightFlag = 0.5,
     common: Controlled = None,
 ):
     """Let sand flow past an insert at a given speed and record forces, the insert's among them."""

@@ -10,19 +10,15 @@ along the walls and, as parabolas, through the interior.
 Cost: 4,000 points and about 570,000 steps at the default speed, some five minutes on two cores.
 """
 
-from typing import Annotated
-
-from typer import Option
-
-from taichi_silo import cli
+from taichi_silo import cli, flags
 from taichi_silo.scenario import Controlled
 from taichi_silo.vessel import Silo
 
 
 def mass_flow(
-    width: Annotated[float, Option(help="of the silo, or its diameter [m]")] = 0.2,
-    height: Annotated[float, Option(help="of the fill [m]")] = 0.5,
-    section: Annotated[str, Option(help="plane | round: between parallel walls, or in a cylinder")] = "plane",
+    width: flags.WidthFlag = 0.2,
+    height: flags.HeightFlag = 0.5,
+    section: flags.SectionFlag = "plane",
     common: Controlled = None,
 ):
     """Lower the bottom of a silo with parallel walls and record forces, wall stresses and shear zones."""

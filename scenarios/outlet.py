@@ -12,21 +12,17 @@ wall and fall below it.
 Cost: that of mass flow (4,000 points and about 570,000 steps, some two minutes on two cores).
 """
 
-from typing import Annotated
-
-from typer import Option
-
-from taichi_silo import cli
+from taichi_silo import cli, flags
 from taichi_silo.scenario import Controlled
 from taichi_silo.vessel import Outlet, Silo
 
 
 def outlet(
-    outlet_width: Annotated[float, Option(help="of the opening of the floor [m]; its edges lie on the grid")] = 0.08,
-    outlet_position: Annotated[str, Option(help="centre | left | right: in the middle, or beside a wall")] = "centre",
-    width: Annotated[float, Option(help="of the silo, or its diameter [m]")] = 0.2,
-    height: Annotated[float, Option(help="of the fill [m]")] = 0.5,
-    section: Annotated[str, Option(help="plane | round: between parallel walls, or in a cylinder")] = "plane",
+    outlet_width: flags.OutletFlag = 0.08,
+    outlet_position: flags.PositionFlag = "centre",
+    width: flags.WidthFlag = 0.2,
+    height: flags.HeightFlag = 0.5,
+    section: flags.SectionFlag = "plane",
     common: Controlled = None,
 ):
     """Let sand flow through an outlet at a given speed and record forces, wall stresses and shear zones."""

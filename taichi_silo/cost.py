@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.faults import RunFailed
-from taichi_silo.filling import FIRST_STEP, LAYER_PERIODS, LONGEST_SETTLING_PERIODS, RISE_PERIODS, SHORTEST_PERIODS
+from taichi_silo.filling import FIRST_STEP, LONGEST_SETTLING_PERIODS, duration
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.laws.stress_point import wave_speed
 from taichi_silo.scene import Scene
 from taichi_silo.shapes import SHAPES
-from taichi_silo.simulation import RAMP_PERIODS, STEP_SAFETY, Simulation
+from taichi_silo.simulation import STEP_SAFETY, Simulation, flow_time
 
 SETTLING_PERIODS = 5.0  # until the wall force rests, with noise control
 FILLED = {"smooth": 1.15, "very-rough": 1.04}  # greatest wave speed over that at half the height, after filling
@@ -61,16 +61,12 @@ def steps(scene: Scene) -> int:
 
     speed_of_flow = 0.0 if scene.flow.outflow == "gravity" else scene.flow.speed_m_per_s
 
-    def count(duration: float, wave: float) -> int:
+    def count(span: float, wave: float) -> int:
         """Steps of one interval."""
         step = method.time_step_s or fraction * scene.grid.cell_size_m / (wave + speed_of_flow)
-        return max(1, math.ceil(duration / step - 1e-9))
+        return max(1, math.ceil(span / step - 1e-9))
 
-    filling = {
-        "gravity-ramp": max(method.filling_time_s, SHORTEST_PERIODS * period),
-        "layers": scene.filling.layers * LAYER_PERIODS * period,
-        "rain": RISE_PERIODS * period,
-    }[scene.filling.kind]
+    filling = duration(scene, period)
     rows = math.ceil(filling / interval)
     loaded = FILLED[scene.walls.kind] * c
     growing = [loaded * ((row + 1) / rows) ** (0.5 * law.degree) for row in range(1, rows)]
@@ -82,11 +78,7 @@ def steps(scene: Scene) -> int:
         settling = max(method.longest_settling_s, LONGEST_SETTLING_PERIODS * period)
     settling = min(settling, max(method.longest_settling_s, LONGEST_SETTLING_PERIODS * period))
     found += round(settling / interval) * count(interval, loaded)
-    if scene.flow.outflow == "gravity":
-        flow = scene.flow.longest_s
-    else:
-        flow = scene.flow.displacement_m / scene.flow.speed_m_per_s + 0.5 * RAMP_PERIODS * period
-    return found + round(flow / interval * count(interval, c * _sharpness(scene)))
+    return found + round(flow_time(scene, period) / interval * count(interval, c * _sharpness(scene)))
 
 
 def _sharpness(scene: Scene) -> float:

@@ -20,15 +20,18 @@ LAYER_PERIODS = 1.0  # of the whole column, between two layers
 RISE_PERIODS = 60.0  # of the whole column, that rain takes
 
 
-def duration(simulation) -> float:
-    """Of the filling, without the rest after it [s]."""
-    scene, period = simulation.scene, simulation.period
+def duration(scene, period: float) -> float:
+    """Of the filling of a column with this period, without the rest after it [s]."""
     if scene.filling.kind == "layers":
         return scene.filling.layers * LAYER_PERIODS * period
     if scene.filling.kind == "rain":
-        fall = math.sqrt(2.0 * scene.filling.drop_m / simulation.gravity)
-        return RISE_PERIODS * period + fall
+        return RISE_PERIODS * period + fall_time(scene)
     return max(scene.method.filling_time_s, SHORTEST_PERIODS * period)
+
+
+def fall_time(scene) -> float:
+    """Of rain [s]."""
+    return math.sqrt(2.0 * scene.filling.drop_m * scene.method.mass_scaling / scene.method.gravity_m_per_s2)
 
 
 def fill(simulation):
@@ -46,7 +49,7 @@ def first_step(simulation, stress_Pa: float) -> float:
 
 def gravity_ramp(simulation):
     """All sand is there; its weight grows linearly."""
-    g, whole = simulation.gravity, duration(simulation)
+    g, whole = simulation.gravity, duration(simulation.scene, simulation.period)
     count = math.ceil(whole / simulation.interval)
     weight = simulation.density * simulation.scene.silo.height_m
     for number in range(count):
@@ -74,8 +77,7 @@ def rain(simulation):
     number = np.searchsorted(rows, np.round(height / simulation.spacing, 6))
     drop = simulation.scene.filling.drop_m
     yield from _portions(simulation, number, RISE_PERIODS * simulation.period / len(rows), drop)
-    fall = math.sqrt(2.0 * drop / simulation.gravity)
-    for _ in range(math.ceil(fall / simulation.interval)):
+    for _ in range(math.ceil(fall_time(simulation.scene) / simulation.interval)):
         yield simulation.advance(simulation.interval, growth=LANDING)
 
 

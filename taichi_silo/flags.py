@@ -33,6 +33,13 @@ ShapeFlag = Annotated[str, typer.Option(help="shape functions: " + " | ".join(SH
 ExplainFlag = Annotated[
     bool, typer.Option("--explain", help="print which parts of the method the scene uses, and why, and stop")
 ]
+WidthFlag = Annotated[float, typer.Option(help="of the silo, or its diameter [m]")]
+HeightFlag = Annotated[float, typer.Option(help="of the fill above the floor, or the outlet of a hopper [m]")]
+SectionFlag = Annotated[
+    str, typer.Option(help="plane | round: between parallel walls, or in a cylinder; a hopper is a wedge, or a cone")
+]
+OutletFlag = Annotated[float, typer.Option(help="width of the outlet [m]; its edges in a flat floor lie on the grid")]
+PositionFlag = Annotated[str, typer.Option(help="centre | left | right: in the middle, or beside a wall")]
 MethodFlags = dict  # what a scenario gets for its parameter of this type: the values of Variant
 METHOD_FLAGS = {
     "transfer": (str, "flip", "grid to points: " + " | ".join(TRANSFERS)),

@@ -64,10 +64,13 @@ class Section:
             return found
         return whole_profile(reaction, self.columns) if self.half else reaction
 
-    def profile(self, reaction: np.ndarray) -> np.ndarray:
-        """Nodal forces (walls, slots, 2) over the width that a node has, cells times stress [N/m]."""
+    def profile(self, reaction: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        """Nodal forces (walls, slots, 2) over the width that a node has, cells times stress [N/m].
+
+        `forces` are those of the same reaction: of a plane silo they are the profile.
+        """
         if not self.round:
-            return self.forces(reaction)
+            return forces
         h = 2.0 * self.width / (self.columns - 1 - 2 * MARGIN)
         found = reaction.copy()
         found[RIGHT] /= self.width
@@ -90,8 +93,7 @@ class Section:
             radius = own["position"][:, 0].copy()
             own = own | {name: own[name] / radius for name in ("mass", "volume")}  # per metre of their own girth
             right = own | {"position": own["position"] + (self.shift, 0.0)}
-            image = whole_points(right, silo_width_m)
-            return image
+            return whole_points(right, silo_width_m)
         return whole_points(own, silo_width_m) if self.half else own
 
 
@@ -117,7 +119,7 @@ def grid_of(scene, section: Section, copies: int) -> Grid:
     return Grid(section.width, rows_of_cells(scene) * h, h, copies=copies, follows=follows)
 
 
-def state_of_fill(scene, section: Section, law, density: float, velocity=(0.0, 0.0)) -> dict[str, np.ndarray]:
+def state_of_fill(scene, section: Section, law, density: float) -> dict[str, np.ndarray]:
     """Fields of the points of the full silo, row after row from the floor, without stress."""
     d = scene.spacing_m
     x, y, volume = scene.silo.lattice(d)
@@ -126,7 +128,7 @@ def state_of_fill(scene, section: Section, law, density: float, velocity=(0.0, 0
     count, volume = len(x), volume * section.geometry.depth(x)
     state = {
         "position": np.stack([x, y], axis=1),
-        "velocity": np.tile(np.asarray(velocity, float), (count, 1)),
+        "velocity": np.zeros((count, 2)),
         "stress": np.tile([-law.rest_stress] * 3 + [0.0], (count, 1)),
         "mass": density * volume,
         "volume": volume,

@@ -39,6 +39,14 @@ def noise_control(scene: Scene, period_s: float) -> NoiseControl:
     return NoiseControl.for_column(period_s, scene.silo.height_m / scene.silo.width_m)
 
 
+def flow_time(scene: Scene, period_s: float) -> float:
+    """Duration of the flow, at most [s]."""
+    flow = scene.flow
+    if flow.outflow == "gravity":
+        return flow.longest_s
+    return flow.displacement_m / flow.speed_m_per_s + 0.5 * RAMP_PERIODS * period_s
+
+
 class Simulation:
     """The silo of a scene, ready to be filled; Taichi has been started.
 
@@ -117,15 +125,12 @@ class Simulation:
     @property
     def filling_time(self) -> float:
         """Duration of the filling, without the rest after it [s]."""
-        return filling.duration(self)
+        return filling.duration(self.scene, self.period)
 
     @property
     def flow_time(self) -> float:
         """Duration of the flow, at most [s]."""
-        flow = self.scene.flow
-        if flow.outflow == "gravity":
-            return flow.longest_s
-        return flow.displacement_m / flow.speed_m_per_s + 0.5 * RAMP_PERIODS * self.period
+        return flow_time(self.scene, self.period)
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -213,8 +218,9 @@ class Simulation:
         else:  # of a gate that would have let out as much
             self.displacement = gone / (self.density * scene.silo.outlet_share_m)
         reaction = self._joined(reaction) / duration
-        force = self.section.forces(reaction).sum(axis=1)
-        record = Record(
+        forces = self.section.forces(reaction)
+        force = forces.sum(axis=1)
+        return Record(
             time_s=self.time,
             stage=self.stage,
             displacement_m=self.displacement,
@@ -231,14 +237,13 @@ class Simulation:
             time_step_s=dt,
             stable_step_s=after.stable_step,
             void_ratio_low=after.void_ratio_low,
-            separated=int(self.points_per_computed) * after.separated,
+            separated=self.points_per_computed * after.separated,
             strays=after.strays,
             speed_m_per_s=after.speed,
-            profile=self.section.profile(reaction),
+            profile=self.section.profile(reaction, forces),
             discharged_kg_per_m=gone,
             bodies_N_per_m=dict(zip(self.bodies, force[BODIES:].tolist(), strict=True)),
         )
-        return record
 
     def _joined(self, reaction: np.ndarray) -> np.ndarray:
         """Impulses (left, right, bottom, bodies): those of a gate are the bottom's."""

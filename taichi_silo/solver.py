@@ -49,17 +49,8 @@ class Books:
         self.control = ti.field(real, shape=(grid.rows, 2))
 
     @ti.func
-    def react(self, wall: ti.template(), slot, impulse, shared: ti.template()):
+    def react(self, wall, slot, impulse, shared: ti.template()):
         """A wall has given the sand an impulse."""
-        for c in ti.static(range(2)):
-            if ti.static(shared):
-                self.reaction[wall, slot, c] += impulse[c]
-            else:
-                self.reaction[wall, slot, c] = self.reaction[wall, slot, c] + impulse[c]
-
-    @ti.func
-    def enter(self, wall, slot, impulse, shared: ti.template()):
-        """The same for a wall whose number is known only when the step runs."""
         for c in ti.static(range(2)):
             if ti.static(shared):
                 self.reaction[wall, slot, c] += impulse[c]

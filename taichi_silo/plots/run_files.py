@@ -14,6 +14,7 @@ from taichi_silo.laws import GudehusBauer
 from taichi_silo.scene import LOOSE_FROM
 from taichi_silo.theory.eurocode import EurocodeSilo
 from taichi_silo.theory.janssen import Janssen
+from taichi_silo.theory.of_scene import eurocode_of
 from taichi_silo.vessel import Silo
 
 GRAVITY = 9.81  # m/s2
@@ -165,13 +166,9 @@ class RunFiles:
     @property
     def eurocode(self) -> EurocodeSilo | None:
         """The code's silo of this shape, or None if the run does not say enough, or the code no more."""
-        width, height = self.parameter("silo", "width_m"), self.parameter("silo", "height_m")
-        if None in (width, height):
+        if None in (self.parameter("silo", "width_m"), self.parameter("silo", "height_m")):
             return None
-        section = self.parameter("silo", "section", "plane")
-        code = EurocodeSilo(
-            width, height - self.transition_m, wall="D2" if self.wall_kind == "smooth" else "D3", section=section
-        )
+        code = eurocode_of(self.silo, self.wall_kind != "smooth")
         return None if code.slenderness == "retaining" else code
 
     def read_snapshot(self, file: str):

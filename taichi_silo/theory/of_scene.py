@@ -1,7 +1,6 @@
 """The theories of a run's silo: Janssen, Walker, EN 1991-4 and Beverloo, with the scene's own numbers."""
 
 import math
-from types import SimpleNamespace
 
 from taichi_silo.theory import beverloo
 from taichi_silo.theory.eurocode import SAND, EurocodeSilo
@@ -17,13 +16,10 @@ def janssen_of(scene, angle_deg: float, pressure_ratio: float) -> Janssen:
     return Janssen(silo.width_m, height, density, angle_deg, pressure_ratio, section=silo.section)
 
 
-def eurocode_of(silo: SimpleNamespace, outlet_eccentricity_m: float = 0.0) -> EurocodeSilo:
-    """The code's silo of the same shape with sand of table E.1 on a smooth (D2) or rough (D3) wall.
-
-    `silo` has width_m, height_m (of the vertical walls), section and rough.
-    """
+def eurocode_of(silo, rough: bool, outlet_eccentricity_m: float = 0.0) -> EurocodeSilo:
+    """The code's silo of the same vertical walls with sand of table E.1, on a smooth (D2) or rough (D3) wall."""
     return EurocodeSilo(
-        silo.width_m, silo.height_m, SAND, wall="D3" if silo.rough else "D2", section=silo.section,
+        silo.width_m, silo.height_m - silo.transition_m, SAND, wall="D3" if rough else "D2", section=silo.section,
         outlet_eccentricity_m=outlet_eccentricity_m,
     )  # fmt: skip
 
@@ -54,12 +50,8 @@ def theory_of(scene, angle_deg: float, pressure_ratio: float) -> dict:
     left, right = silo.outlet_m
     eccentricity = abs(0.5 * (left + right) - 0.5 * silo.width_m)
     found = {"outlet_eccentricity_m": eccentricity}
-    straight = SimpleNamespace(
-        width_m=silo.width_m, height_m=silo.height_m - silo.transition_m, section=silo.section,
-        rough=scene.walls.kind == "very-rough",
-    )  # fmt: skip
-    code = eurocode_of(straight, eccentricity)
-    deepest = straight.height_m
+    code = eurocode_of(silo, scene.walls.kind == "very-rough", eccentricity)
+    deepest = code.height_m
     found["eurocode"] = {"slenderness": code.slenderness, "limits": code.limits()}
     if code.slenderness != "retaining":  # of which the code gives other pressures
         found["eurocode"] |= {

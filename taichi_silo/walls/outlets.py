@@ -12,8 +12,8 @@ from taichi_silo.walls.coulomb import Coulomb, NoSlip
 
 
 @dataclass(frozen=True)
-class OpenFloor:
-    """The floor beside the opening; it stands still.
+class Level:
+    """What lies below a row of nodes.
 
     Parameters
     ----------
@@ -27,15 +27,6 @@ class OpenFloor:
     first: int
     last: int
     contact: Coulomb | NoSlip
-    name: str = "floor"
-    motion: tuple[float, float] = (0.0, 0.0)
-
-    @ti.func
-    def holds(self, i, j):
-        """Whether node (i, j) lies on the floor, or inside it."""
-        return (j == self.row and (i <= self.first or i >= self.last)) or (
-            j < self.row and (i < self.first or i > self.last)
-        )
 
     @ti.func
     def slot(self, i, j):
@@ -49,23 +40,27 @@ class OpenFloor:
 
 
 @dataclass(frozen=True)
-class Gate:
+class OpenFloor(Level):
+    """The floor beside the opening; it stands still."""
+
+    name: str = "floor"
+    motion: tuple[float, float] = (0.0, 0.0)
+
+    @ti.func
+    def holds(self, i, j):
+        """Whether node (i, j) lies on the floor, or inside it."""
+        return (j == self.row and (i <= self.first or i >= self.last)) or (
+            j < self.row and (i < self.first or i > self.last)
+        )
+
+
+@dataclass(frozen=True)
+class Gate(Level):
     """What the sand in the opening stands on: it sinks with the plate velocity, and the sand with it.
 
     A gate that recedes faster than sand can follow is an open one.
-
-    Parameters
-    ----------
-    row : of the nodes on the floor's line.
-    first, last : columns of the nodes at the edges of the opening.
-    contact : how it acts.
-
     """
 
-    row: int
-    first: int
-    last: int
-    contact: Coulomb | NoSlip
     name: str = "gate"
     motion: tuple[float, float] = (0.0, 1.0)
 
@@ -75,13 +70,3 @@ class Gate:
         return (j == self.row and i > self.first and i < self.last) or (
             j < self.row and i >= self.first and i <= self.last
         )
-
-    @ti.func
-    def slot(self, i, j):
-        """The column."""
-        return i
-
-    @ti.func
-    def normal(self, i, j):
-        """Downwards."""
-        return 0.0, -1.0

@@ -173,7 +173,7 @@ class Surfaces:
             p, tau, nx, ny = self.traction[q, 0], self.traction[q, 1], self.fixed[q, 0], self.fixed[q, 1]
             fx, fy = -s * (p * nx - tau * ny), -s * (p * ny + tau * nx)
             x, y = x + fx, y + fy
-            books.enter(self.wall[q], j, (fx * dt, fy * dt), shared)
+            books.react(self.wall[q], j, (fx * dt, fy * dt), shared)
         return x, y
 
     @ti.func
