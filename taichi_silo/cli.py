@@ -1,5 +1,6 @@
-"""What the scenario scripts share: a command line that says in one sentence what is wrong."""
+"""A command line that says in one sentence what is wrong: of a scenario script, and of the program."""
 
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -11,22 +12,26 @@ from rich.console import Console
 from rich.table import Table
 
 from taichi_silo.faults import BadInput, RunFailed
-from taichi_silo.flags import (
-    with_groups,
-)
-from taichi_silo.parts import parts
-from taichi_silo.scene import Scene
 from taichi_silo.table import one_sentence
+from taichi_silo.voice import Voice
 
 BAD_INPUT, FAILED, STOPPED = 2, 1, 130
+
 
 def command(function: Callable) -> None:
     """Run a function as a command line: bad input ends with exit code 2, a failed run with 1.
 
     The function's parameters, typer options, are the flags; an unknown flag is refused with the nearest known one.
     """
+    from taichi_silo.flags import with_groups  # with it come the names of all shapes, and Taichi
+
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
     app.command()(with_groups(function))
+    serve(app)
+
+
+def serve(app: typer.Typer) -> None:
+    """Run an app; it ends the process with the exit code, after one sentence if something is wrong."""
     try:
         code = app(standalone_mode=False) or 0
         if code == STOPPED:  # typer's own answer to Ctrl-C
@@ -64,8 +69,10 @@ def _stop(sentence: str, code: int) -> None:
     sys.exit(code)
 
 
-def explain(scene: Scene) -> None:
+def explain(scene) -> None:
     """Say which parts of the method a scene uses, and why."""
+    from taichi_silo.parts import parts  # with it comes the whole solver
+
     scene.machine.start()
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in ("part", "choice", "because", "overruled by"):
@@ -75,14 +82,16 @@ def explain(scene: Scene) -> None:
     Console(width=None if sys.stdout.isatty() else 132, highlight=False).print(table)
 
 
-def tell(folder: Path) -> None:
+def tell(folder: Path, voice: Voice | None = None) -> None:
     """Say where to look."""
-    console = Console()
-    console.print(f"\nThe run is in {folder}", highlight=False, soft_wrap=True)
+    voice = voice or Voice()
+    voice.say(f"\nThe run is in {folder}")
     for name, what in (
         ("void_ratio.mp4", "film"), ("figures/forces.png", "P, T, N against the bottom displacement"),
         ("figures/void_ratio.png", "shear zones"), ("forces.csv", "force histories"),
         ("summary.json", "peaks, residuals, certificate"), ("snapshots/silo.pvd", "for ParaView"),
     ):  # fmt: skip
         if (folder / name).exists():
-            console.print(f"  {name:26s} {what}", highlight=False)
+            voice.say(f"  {name:26s} {what}")
+    summary = folder / "summary.json"
+    voice.result({"folder": str(folder), "summary": json.loads(summary.read_text()) if summary.exists() else {}})

@@ -8,7 +8,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from taichi_silo.faults import BadInput
-from taichi_silo.scene import Sand
+from taichi_silo.sand import Sand
 from taichi_silo.table import one_sentence
 
 NOTES = ("title", "source", "read_in")

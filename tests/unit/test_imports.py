@@ -26,7 +26,10 @@ LAYERS = [
     ["biaxial"],
     ["observers", "parts"],
     ["run", "batch", "chart", "paper"],
-    ["flags", "cli", "scenario", "__init__"],
+    ["voice", "flags", "catalogue"],
+    ["cli", "scenario", "__init__"],
+    ["commands"],
+    ["app"],
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ONLY_IN = {

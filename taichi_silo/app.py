@@ -1,0 +1,30 @@
+"""The program `taichi-silo`."""
+
+import importlib
+
+import typer
+
+from taichi_silo.cli import serve
+
+COMMANDS = ("list",)  # in the order of the help
+
+
+def make() -> typer.Typer:
+    """The app with all commands."""
+    app = typer.Typer(
+        name="taichi-silo", no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode="rich",
+        help="Sand flowing in silos: wall pressures, flow pattern, films of the shear zones. All units are SI.",
+    )  # fmt: skip
+    for name in COMMANDS:
+        module = importlib.import_module(f"taichi_silo.commands.{name}")
+        app.command(name, **getattr(module, "OPTIONS", {}))(getattr(module, "command", None) or getattr(module, name))
+    return app
+
+
+def main() -> None:
+    """Run it."""
+    serve(make())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,45 @@
+"""How a command speaks: for a person, for nobody, or for a script that reads JSON."""
+
+import json
+import sys
+from dataclasses import dataclass
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+QuietFlag = Annotated[bool, typer.Option("--quiet", "-q", help="print errors only")]
+JsonFlag = Annotated[
+    bool, typer.Option("--json", help="print one JSON object with the result; all other words go to stderr")
+]
+
+
+@dataclass(frozen=True)
+class Voice:
+    """What is printed where.
+
+    Attributes
+    ----------
+    quiet : print errors only.
+    as_json : stdout is kept for one JSON object, the result.
+
+    """
+
+    quiet: bool = False
+    as_json: bool = False
+
+    @property
+    def console(self) -> Console:
+        """For lines, tables and progress bars; silent where nothing is to be said."""
+        return Console(stderr=self.as_json, quiet=self.quiet, highlight=False, soft_wrap=True)
+
+    def say(self, *lines: str) -> None:
+        """Tell a person."""
+        for line in lines:
+            self.console.print(line, markup=False)
+
+    def result(self, found: dict) -> None:
+        """Tell a script, if one listens."""
+        if self.as_json:
+            json.dump(found, sys.stdout, default=str, allow_nan=False)
+            print()
