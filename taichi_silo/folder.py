@@ -9,6 +9,7 @@ from pathlib import Path
 import tomli_w
 from pydantic import ValidationError
 
+from taichi_silo import durable
 from taichi_silo.faults import BadInput
 from taichi_silo.scene import Scene
 from taichi_silo.symmetry import half_model
@@ -17,7 +18,7 @@ from taichi_silo.table import one_sentence
 MADE = "run.toml"  # its presence says that the folder holds a run
 PRODUCTS = (
     MADE, "summary.json", "forces.csv", "balance.csv", "walls.csv", "void_ratio.mp4", "void_ratio.partial.mp4",
-    "checkpoint.npz", "curve.csv", "points.npz", "points.vtu", "scene.json",
+    "*.segment_*.mp4", "checkpoint*.npz", "curve.csv", "points.npz", "points.vtu", "scene.json",
     "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv", "snapshots/silo.pvd",
 )  # fmt: skip
 
@@ -47,8 +48,8 @@ def writable(folder: Path) -> Path:
     return folder
 
 
-def claim(folder: Path, overwrite: bool = False) -> Path:
-    """The folder, made, proved writable, and free of an earlier run.
+def free(folder: Path, overwrite: bool = False) -> Path:
+    """The folder, made and proved writable.
 
     Raises
     ------
@@ -59,6 +60,19 @@ def claim(folder: Path, overwrite: bool = False) -> Path:
     folder = writable(folder)
     if (folder / MADE).exists() and not overwrite:
         raise BadInput(f"output {folder} holds a run already; give another folder, or --overwrite to replace it")
+    return folder
+
+
+def claim(folder: Path, overwrite: bool = False) -> Path:
+    """The folder, made, proved writable, and free of an earlier run.
+
+    Raises
+    ------
+    BadInput
+        if it cannot be written, or holds a run and `overwrite` is false.
+
+    """
+    folder = free(folder, overwrite)
     try:
         for pattern in PRODUCTS:
             for old in folder.glob(pattern):
@@ -66,6 +80,15 @@ def claim(folder: Path, overwrite: bool = False) -> Path:
     except OSError as error:
         raise BadInput(f"output {folder} cannot be written: {error.strerror or error}") from error
     return folder
+
+
+def finished(folder: Path) -> bool:
+    """Whether a run has come to its end there, and all its files are made."""
+    try:
+        program = tomllib.loads((folder / MADE).read_text(encoding="utf-8"))["program"]
+    except (OSError, KeyError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return False
+    return program.get("finished", False)
 
 
 def free_name(folder: Path) -> Path:
@@ -104,7 +127,7 @@ def write_parameters(folder: Path, scene: Scene, program: dict) -> None:
 
 
 def write_tables(folder: Path, tables: dict, program: dict) -> None:
-    """Write run.toml, with what computed it; in one piece or not at all."""
+    """Write run.toml, with what computed it; in one piece or not at all, and on the disk."""
     tables["program"] = {
         "taichi_silo": version("taichi-silo"),
         "revision": _revision(),
@@ -114,8 +137,8 @@ def write_tables(folder: Path, tables: dict, program: dict) -> None:
         **program,
     }
     temporary = folder / (MADE + ".part")
-    temporary.write_text(tomli_w.dumps(tables))
-    temporary.replace(folder / MADE)
+    temporary.write_text(tomli_w.dumps(tables), encoding="utf-8")
+    durable.put(temporary, folder / MADE)
 
 
 def read_scene(file: Path, threads: int | None = None) -> Scene:
@@ -128,7 +151,7 @@ def read_scene(file: Path, threads: int | None = None) -> Scene:
 
     """
     try:
-        tables = tomllib.loads(Path(file).read_text())
+        tables = tomllib.loads(Path(file).read_text(encoding="utf-8"))
         tables.pop("program", None)
         if threads is not None:
             tables["machine"] = tables.get("machine", {}) | {"threads": threads}

@@ -12,6 +12,7 @@ import taichi as ti
 from PIL import Image, ImageDraw
 
 from taichi_silo.observers.canvas import COLOUR_MAP, HEIGHT, INK, WIDTH, Canvas, Course
+from taichi_silo.observers.segments import Segments
 
 REACH = 0.75  # a point colours what lies within this many spacings of it, in x and in y
 SAMPLES = 2  # samples per pixel along each axis
@@ -248,7 +249,7 @@ class Film:
         self.raster = SandRaster(
             panel.columns, panel.rows, self.canvas.pixels_per_metre, self.canvas.top_m, spacing_m, solids or ()
         )
-        self._encoder = Encoder(Path(path), frames_per_second)
+        self.segments = Segments(Path(path), lambda piece: Encoder(piece, frames_per_second))
 
     def add_forces(
         self, displacement_m: float, bottom_N_per_m: float, shear_N_per_m: float, normal_N_per_m: float
@@ -300,11 +301,11 @@ class Film:
         sand = self.raster.draw(position[finite], level, plate_top, plate_top - self.canvas.plate_m)
         frame = self.canvas.page(time_s, stage, displacement_m)
         frame[self.canvas.panel.slices] = sand
-        self._encoder.write(frame)
+        self.segments.write(frame)
 
     def close(self) -> None:
         """Finish the film and give it its name; safe to call again, and after an aborted run."""
-        self._encoder.close()
+        self.segments.close()
 
     def __enter__(self) -> "Film":
         return self

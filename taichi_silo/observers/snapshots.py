@@ -6,6 +6,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
+from taichi_silo import durable
 from taichi_silo.observers import Observer
 
 TOLERANCE = 1e-9  # of a displacement, in metres
@@ -32,14 +33,26 @@ class Snapshots(Observer):
         self.folder.mkdir(exist_ok=True)
         for old in self.folder.glob("*.vtu"):
             old.unlink()
-        self.rows, self.last = [], None
+        self.rows = []
         self._write("start")
+
+    def state(self) -> dict:
+        """What is written, and what is still wanted."""
+        return {"rows": self.rows, "wanted": self.wanted}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """Take out what was written later."""
+        self.simulation, self.rows, self.wanted = simulation, kept["rows"], kept["wanted"]
+        known = {row["file"] for row in self.rows}
+        for file in self.folder.glob("*.vtu"):
+            if file.name not in known:
+                file.unlink()
+        self._list()
 
     def observe(self, record) -> None:
         """Write when a displacement is reached."""
         while record.stage == "flow" and self.wanted and record.displacement_m >= self.wanted[0] - TOLERANCE:
             self._write(f"flow_{1e3 * self.wanted.pop(0):07.3f}mm")
-        self.last = record
 
     def filled(self) -> None:
         """Write the state after filling."""
@@ -47,7 +60,7 @@ class Snapshots(Observer):
 
     def end(self) -> None:
         """Write the last state."""
-        if self.last is not None and self.rows[-1]["time_s"] != self.simulation.time:
+        if self.simulation.steps > 0 and self.rows[-1]["time_s"] != self.simulation.time:
             self._write("end")
 
     def _write(self, name: str) -> None:
@@ -69,15 +82,21 @@ class Snapshots(Observer):
             "identity": points["identity"],
         }
         mesh = meshio.Mesh(place, [("vertex", np.arange(count)[:, None])], point_data=data)
-        mesh.write(self.folder / f"{name}.vtu", file_format="vtu")
+        file = self.folder / f"{name}.vtu"
+        mesh.write(file, file_format="vtu")
+        durable.sync(file)
         self.rows.append(
             {
-                "file": f"{name}.vtu",
+                "file": file.name,
                 "stage": simulation.stage,
                 "time_s": simulation.time,
                 "displacement_m": simulation.displacement,
             }
         )
+        self._list()
+
+    def _list(self) -> None:
+        """Write both lists of what there is."""
         with open(self.folder / "index.csv", "w", newline="") as stream:
             writer = csv.DictWriter(stream, self.rows[0])
             writer.writeheader()

@@ -6,8 +6,8 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
-    ["runtime", "maths", "tensors", "faults", "barrier", "processes"],
-    ["grid", "particles", "noise", "geometry", "table"],
+    ["runtime", "maths", "tensors", "faults", "barrier", "processes", "durable", "stopping"],
+    ["grid", "particles", "noise", "geometry", "table", "archive", "lock"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
     ["phases", "nodes", "survey"],
@@ -17,8 +17,8 @@ LAYERS = [
     ["placing"],
     ["scene"],
     ["weaknesses", "settings", "fidelity", "column"],
-    ["filling", "ledger"],
-    ["simulation", "specimen", "sands"],
+    ["filling", "outflow", "ledger"],
+    ["simulation", "state", "specimen", "sands"],
     ["trial"],
     ["element", "folder", "timestep", "cost"],
     ["stability"],
