@@ -1,7 +1,8 @@
 """Numbers, words and arrays in one file that knows whether it is whole.
 
-The file is a `.npz` without pickled objects: `header` (JSON: format, version of the program, checksum), `content` (JSON:
-everything that is no array) and the arrays, each under its path through the dictionaries. Floats come back bit by bit.
+The file is a `.npz` without pickled objects: `header` (JSON: format, version of the program, checksum), `content`
+(JSON: everything that is no array) and the arrays, each under its path through the dictionaries. Floats come back bit
+by bit.
 """
 
 import hashlib

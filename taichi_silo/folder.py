@@ -152,11 +152,24 @@ def read_scene(file: Path, threads: int | None = None) -> Scene:
     """
     try:
         tables = tomllib.loads(Path(file).read_text(encoding="utf-8"))
-        tables.pop("program", None)
-        if threads is not None:
-            tables["machine"] = tables.get("machine", {}) | {"threads": threads}
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise BadInput(f"{file} cannot be read as a scene: {error}") from error
+    tables.pop("program", None)
+    return scene_of(tables, file, threads)
+
+
+def scene_of(tables: dict, file: Path | str, threads: int | None = None) -> Scene:
+    """The scene of the tables in a file; on so many threads, if they are given.
+
+    Raises
+    ------
+    BadInput
+        if their values are not possible.
+
+    """
+    if threads is not None:
+        tables["machine"] = tables.get("machine", {}) | {"threads": threads}
+    try:
         return Scene.model_validate(tables)
     except ValidationError as error:
         raise BadInput(f"{file}: {one_sentence(error)}") from error
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise BadInput(f"{file} cannot be read as a scene: {error}") from error

@@ -88,11 +88,9 @@ def resume(folder: Path, *, threads: int | None = None, film: bool | None = None
         raise BadInput(f"folder is {folder}; it must be that of a run that was begun, but it {what}")
     with lock.held(run_folder.writable(folder)):
         kept, words = checkpoint.latest(folder)
-        if threads is not None:
-            kept["scene"]["machine"]["threads"] = threads
-        scene, drawn = Scene.model_validate(kept["scene"]), "film" in kept["observers"]
+        scene, drawn = run_folder.scene_of(kept["scene"], checkpoint.NAME, threads), "film" in kept["observers"]
         if film and not drawn:
-            raise BadInput(f"film is asked for; the run in {folder} was begun without, and it cannot be drawn from here")
+            raise BadInput(f"film is asked for; the run in {folder} was begun without, and its beginning is gone")
         scene.machine.start()
         _Session(scene, folder, drawn if film is None else film, extra, kept, words).go()
     return folder

@@ -34,11 +34,12 @@ class WallProfiles(Observer):
 
     def state(self) -> dict:
         """Finished blocks, and of the present one as many records as its mean may need."""
+        columns = enumerate(("time", *BLOCK))
         return {
             "largest": self.largest,
             "states": {name: dict(zip(BLOCK, block, strict=True)) for name, block in self.states.items()},
             "block": packed(self.block[-self.full :]),
-            "history": {name: np.array([block[k] for block in self.history]) for k, name in enumerate(("time", *BLOCK))},
+            "history": {name: np.array([block[k] for block in self.history]) for k, name in columns},
         }
 
     def restore(self, simulation, kept: dict) -> None:

@@ -15,9 +15,7 @@ from taichi_silo import durable
 from taichi_silo.faults import BadInput
 
 MARK = ".segment_"
-JOIN = (
-    "-y -loglevel error -protocol_whitelist file,pipe -f concat -safe 0 -i - -c copy -movflags +faststart -f mp4"
-).split()  # fmt: skip
+JOIN = "-y -loglevel error -protocol_whitelist file,pipe -f concat -safe 0 -i - -c copy -movflags +faststart -f mp4"
 
 
 class Segments:
@@ -98,7 +96,7 @@ class Segments:
         for piece in self.pieces:
             name = piece.resolve().as_posix().replace("'", "'\\''")
             lines.append(f"file 'file:{name}'\n")
-        command = [imageio_ffmpeg.get_ffmpeg_exe(), *JOIN, str(file)]
+        command = [imageio_ffmpeg.get_ffmpeg_exe(), *JOIN.split(), str(file)]
         # own session: Ctrl-C stops the run, which then still completes its film
         done = subprocess.run(command, input="".join(lines).encode(), capture_output=True, start_new_session=True)
         if done.returncode:
