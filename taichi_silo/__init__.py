@@ -6,7 +6,7 @@ os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")  # a run prints only it
 
 from taichi_silo.faults import BadInput, RunFailed  # noqa: E402
 from taichi_silo.record import Record  # noqa: E402
-from taichi_silo.run import run  # noqa: E402
+from taichi_silo.run import resume, run  # noqa: E402
 from taichi_silo.scene import Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls  # noqa: E402
 from taichi_silo.simulation import Simulation  # noqa: E402
 
@@ -23,5 +23,6 @@ __all__ = [
     "Silo",
     "Simulation",
     "Walls",
+    "resume",
     "run",
 ]

@@ -15,7 +15,8 @@ from taichi_silo import durable
 from taichi_silo.faults import BadInput
 
 MARK = ".segment_"
-JOIN = "-y -loglevel error -protocol_whitelist file,pipe -f concat -safe 0 -i - -c copy -movflags +faststart -f mp4"
+LISTED = "-protocol_whitelist file,pipe -f concat -safe 0 -i pipe:0"  # names of the pieces come through a pipe
+JOINED = "-c copy -movflags +faststart -f mp4"
 
 
 class Segments:
@@ -96,7 +97,8 @@ class Segments:
         for piece in self.pieces:
             name = piece.resolve().as_posix().replace("'", "'\\''")
             lines.append(f"file 'file:{name}'\n")
-        command = [imageio_ffmpeg.get_ffmpeg_exe(), *JOIN.split(), str(file)]
+        program = imageio_ffmpeg.get_ffmpeg_exe()
+        command = [program, "-y", "-loglevel", "error", *LISTED.split(), *JOINED.split(), str(file)]
         # own session: Ctrl-C stops the run, which then still completes its film
         done = subprocess.run(command, input="".join(lines).encode(), capture_output=True, start_new_session=True)
         if done.returncode:
