@@ -2,17 +2,14 @@
 
 import platform
 import subprocess
-import tomllib
 from importlib.metadata import version
 from pathlib import Path
 
 import tomli_w
-from pydantic import ValidationError
 
 from taichi_silo.faults import BadInput
 from taichi_silo.scene import Scene
 from taichi_silo.symmetry import half_model
-from taichi_silo.table import one_sentence
 
 MADE = "run.toml"  # its presence says that the folder holds a run
 PRODUCTS = (
@@ -114,26 +111,5 @@ def write_tables(folder: Path, tables: dict, program: dict) -> None:
         **program,
     }
     temporary = folder / (MADE + ".part")
-    temporary.write_text(tomli_w.dumps(tables))
+    temporary.write_text(tomli_w.dumps(tables), encoding="utf-8")
     temporary.replace(folder / MADE)
-
-
-def read_scene(file: Path, threads: int | None = None) -> Scene:
-    """The scene of a run.toml; on so many threads, if they are given.
-
-    Raises
-    ------
-    BadInput
-        if the file cannot be read or its values are not possible.
-
-    """
-    try:
-        tables = tomllib.loads(Path(file).read_text())
-        tables.pop("program", None)
-        if threads is not None:
-            tables["machine"] = tables.get("machine", {}) | {"threads": threads}
-        return Scene.model_validate(tables)
-    except ValidationError as error:
-        raise BadInput(f"{file}: {one_sentence(error)}") from error
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise BadInput(f"{file} cannot be read as a scene: {error}") from error

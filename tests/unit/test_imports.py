@@ -7,12 +7,13 @@ PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
     ["runtime", "maths", "tensors", "faults", "barrier", "processes"],
-    ["grid", "particles", "noise", "geometry", "table"],
+    ["grid", "particles", "noise", "geometry", "table", "outline"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
     ["phases", "nodes", "survey"],
     ["filters", "lanes", "proof"],
     ["solver", "half"],
+    ["inserts"],
     ["variant", "vessel", "sand", "symmetry", "record"],
     ["placing"],
     ["scene"],
@@ -20,7 +21,7 @@ LAYERS = [
     ["filling", "ledger"],
     ["simulation", "specimen", "sands"],
     ["trial"],
-    ["element", "folder", "timestep", "cost"],
+    ["element", "scene_file", "folder", "timestep", "cost"],
     ["stability"],
     ["plots"],
     ["biaxial"],
