@@ -13,7 +13,7 @@ from taichi_silo.table import Table
 class Insert(Table):
     """A body inside the sand, across the whole silo: a roof (a triangle on its base), a cylinder, or any polygon."""
 
-    kind: Literal["roof", "cylinder", "polygon"]
+    kind: Literal["roof", "cylinder", "polygon"] = Field(description="of body")
     width_m: float | None = Field(None, gt=0, description="of the roof's base; diameter of the cylinder")
     height_m: float | None = Field(None, gt=0, description="of a roof above its base; as high as wide if absent")
     bottom_m: float | None = Field(None, gt=0, description="lowest place above the floor, of a roof or cylinder")

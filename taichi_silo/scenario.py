@@ -8,7 +8,7 @@ from taichi_silo import flags, sands
 from taichi_silo.cli import explain, tell
 from taichi_silo.folder import free_name
 from taichi_silo.observers.progress import ProgressLine
-from taichi_silo.run import run
+from taichi_silo.one_run import run
 from taichi_silo.scene import Averaging, Filling, Flow, Machine, Mesh, Method, Output, Scene, Walls
 from taichi_silo.vessel import Silo
 from taichi_silo.voice import JsonFlag, QuietFlag, Voice

@@ -41,8 +41,10 @@ class Silo(Table):
 
     width_m: float = Field(0.2, gt=0, description="or diameter")
     height_m: float = Field(0.5, gt=0, description="height of the fill above the floor, a hopper included")
-    section: Literal["plane", "round"] = "plane"
-    half: Literal["auto", "yes", "no"] = Field("auto", description="compute one half and mirror it; see symmetry.py")
+    section: Literal["plane", "round"] = Field(
+        "plane", description="between parallel walls, or a cylinder about the middle; a hopper is a wedge, or a cone"
+    )
+    half: Literal["auto", "yes", "no"] = Field("auto", description="compute one half and mirror it")
     outlet: Outlet | None = None
     hopper: Hopper | None = None
     outline_m: polygons.Corners | None = Field(

@@ -98,7 +98,7 @@ def scene_file(
         voice.result({"scene": wanted.model_dump(mode="json"), "points": wanted.points})
         return
     from taichi_silo.observers.progress import ProgressLine
-    from taichi_silo.run import run as simulate
+    from taichi_silo.one_run import run as simulate
 
     name = scene.resolve().parent.name if scene.name == "run.toml" else scene.stem
     folder = output.expanduser() if output else free_name(Path("outputs") / name)

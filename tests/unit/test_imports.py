@@ -26,7 +26,9 @@ LAYERS = [
     ["plots"],
     ["biaxial"],
     ["observers", "parts"],
-    ["run", "batch", "chart", "paper"],
+    ["one_run", "batch", "chart", "paper"],
+    ["reference", "result", "health"],
+    ["api"],
     ["voice", "flags", "catalogue"],
     ["cli", "scenario", "__init__"],
     ["commands"],
@@ -36,7 +38,7 @@ RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ONLY_IN = {
     "matplotlib": {"plots", "observers", "biaxial"},
     "imageio_ffmpeg": {"observers"},
-    "meshio": {"observers", "plots", "biaxial", "paper"},
+    "meshio": {"observers", "plots", "biaxial", "paper", "result"},
 }
 
 
