@@ -34,8 +34,6 @@ def run(
 
     Examples: taichi-silo run mass_flow --void-ratio 0.9 --walls smooth, taichi-silo run silo.toml --output outputs/mine
     """
-    import runpy
-
     from taichi_silo import catalogue
     from taichi_silo.cli import command
 
@@ -47,7 +45,8 @@ def run(
             command(scene_file)
         file = catalogue.script(what)
         sys.argv = [f"taichi-silo run {file.stem}", *rest]
-        runpy.run_path(str(file), run_name="__main__")
+        code = compile(file.read_text(encoding="utf-8"), str(file), "exec")
+        exec(code, {"__name__": "__main__", "__file__": str(file)})
         return
     sys.argv = ["taichi-silo run", what, *rest]
     command(scene_file)
