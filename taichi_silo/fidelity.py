@@ -39,7 +39,7 @@ class Fidelity(Table):
 
 def fidelities(file: Path = FILE) -> dict[str, Fidelity]:
     """All of a file, by name."""
-    return {name: Fidelity.model_validate(table) for name, table in tomllib.loads(file.read_text()).items()}
+    return {name: Fidelity.model_validate(table) for name, table in tomllib.loads(file.read_text(encoding="utf-8")).items()}
 
 
 def fidelity(name: str) -> Fidelity:
