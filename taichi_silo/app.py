@@ -6,7 +6,7 @@ import typer
 
 from taichi_silo.cli import serve
 
-COMMANDS = ("run", "scene", "list", "doctor")  # in the order of the help
+COMMANDS = ("run", "scene", "list", "drawing", "doctor")  # in the order of the help
 
 
 def make() -> typer.Typer:

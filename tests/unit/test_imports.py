@@ -15,7 +15,7 @@ LAYERS = [
     ["solver", "half"],
     ["inserts"],
     ["variant", "vessel", "sand", "symmetry", "record"],
-    ["placing"],
+    ["placing", "drawing"],
     ["scene"],
     ["weaknesses", "settings", "fidelity", "column"],
     ["filling", "ledger"],
