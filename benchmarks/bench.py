@@ -22,7 +22,7 @@ from benchmarks.roofline import ceilings
 from benchmarks.yardstick import Yardstick
 from taichi_silo import Flow, Mesh, Scene, Silo, Simulation, Walls, runtime
 from taichi_silo.noise import NoiseControl
-from taichi_silo.run import run
+from taichi_silo.one_run import run
 from taichi_silo.scene import Averaging, cores
 
 ROUNDS = 3

@@ -1,28 +1,39 @@
-"""Confined granular flow in silos: explicit material point method with hypoplastic sand, on Taichi."""
+"""Confined granular flow in silos: explicit material point method with hypoplastic sand, on Taichi.
 
+import taichi_silo as ts
+
+silo = ts.Silo.polygon([(0.06, 0), (0.14, 0), (0.2, 0.2), (0.2, 0.5), (0, 0.5), (0, 0.2)])
+result = ts.run(ts.Scene(silo=silo, sand=ts.named_sand("hostun", 0.70)), "outputs/mine")
+result.forces.plot("displacement_m", "left_normal_N_per_m")
+result.state("filled")["void_ratio"].mean()
+"""
+
+import importlib
 import os
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")  # a run prints only its own lines
 
-from taichi_silo.faults import BadInput, RunFailed  # noqa: E402
-from taichi_silo.record import Record  # noqa: E402
-from taichi_silo.run import resume, run  # noqa: E402
-from taichi_silo.scene import Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls  # noqa: E402
-from taichi_silo.simulation import Simulation  # noqa: E402
+HOME = {  # of the public names; each is imported when it is first used, which keeps the program's start short
+    "faults": ("BadInput", "RunFailed", "Stopped"),
+    "record": ("Record",),
+    "api": ("named_sand", "read_scene", "resume", "run"),
+    "result": ("Result",),
+    "scene": ("Averaging", "Filling", "Flow", "Machine", "Mesh", "Method", "Output", "Scene", "Walls"),
+    "sand": ("IntergranularStrain", "Sand"),
+    "simulation": ("Simulation",),
+    "vessel": ("Hopper", "Insert", "Outlet", "Silo"),
+}
+_MODULES = {name: module for module, names in HOME.items() for name in names}
+__all__ = sorted(_MODULES)  # noqa: PLE0605
 
-__all__ = [
-    "BadInput",
-    "Flow",
-    "Machine",
-    "Mesh",
-    "Method",
-    "Record",
-    "RunFailed",
-    "Sand",
-    "Scene",
-    "Silo",
-    "Simulation",
-    "Walls",
-    "resume",
-    "run",
-]
+
+def __getattr__(name: str):
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"{__name__}.{_MODULES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -6,7 +6,7 @@ import typer
 
 from taichi_silo.cli import serve
 
-COMMANDS = ("list", "resume")  # in the order of the help
+COMMANDS = ("run", "resume", "scene", "list", "drawing", "doctor")  # in the order of the help
 
 
 def make() -> typer.Typer:
@@ -23,7 +23,7 @@ def make() -> typer.Typer:
 
 def main() -> None:
     """Run it."""
-    serve(make())
+    serve(make(), "taichi-silo")
 
 
 if __name__ == "__main__":

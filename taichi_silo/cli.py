@@ -28,15 +28,16 @@ def command(function: Callable) -> None:
 
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
     app.command()(with_groups(function))
-    serve(app)
+    name = sys.argv[0]
+    serve(app, name if name.startswith("taichi-silo") else Path(name).name)
 
 
-def serve(app: typer.Typer) -> None:
-    """Run an app; it ends the process with the exit code, after one sentence if something is wrong."""
+def serve(app: typer.Typer, name: str) -> None:
+    """Run an app of a name; it ends the process with the exit code, after one sentence if something is wrong."""
     for one in app.registered_commands:
         one.callback = _stopping(one.callback)
     try:
-        code = app(standalone_mode=False) or 0
+        code = app(standalone_mode=False, prog_name=name) or 0
         if code == STOPPED:  # typer's own answer to Ctrl-C
             raise KeyboardInterrupt
         sys.exit(code)

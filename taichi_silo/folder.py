@@ -7,13 +7,11 @@ from importlib.metadata import version
 from pathlib import Path
 
 import tomli_w
-from pydantic import ValidationError
 
 from taichi_silo import durable
 from taichi_silo.faults import BadInput
 from taichi_silo.scene import Scene
 from taichi_silo.symmetry import half_model
-from taichi_silo.table import one_sentence
 
 MADE = "run.toml"  # its presence says that the folder holds a run
 PRODUCTS = (
@@ -100,6 +98,9 @@ def free_name(folder: Path) -> Path:
 
 
 def _revision() -> str:
+    """Of the checkout that this is; an installed package may lie in one of something else."""
+    if not (Path(__file__).parents[1] / ".git").exists():
+        return "released"
     try:
         answer = subprocess.run(
             ["git", "describe", "--always", "--dirty"],
@@ -139,37 +140,3 @@ def write_tables(folder: Path, tables: dict, program: dict) -> None:
     temporary = folder / (MADE + ".part")
     temporary.write_text(tomli_w.dumps(tables), encoding="utf-8")
     durable.put(temporary, folder / MADE)
-
-
-def read_scene(file: Path, threads: int | None = None) -> Scene:
-    """The scene of a run.toml; on so many threads, if they are given.
-
-    Raises
-    ------
-    BadInput
-        if the file cannot be read or its values are not possible.
-
-    """
-    try:
-        tables = tomllib.loads(Path(file).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise BadInput(f"{file} cannot be read as a scene: {error}") from error
-    tables.pop("program", None)
-    return scene_of(tables, file, threads)
-
-
-def scene_of(tables: dict, file: Path | str, threads: int | None = None) -> Scene:
-    """The scene of the tables in a file; on so many threads, if they are given.
-
-    Raises
-    ------
-    BadInput
-        if their values are not possible.
-
-    """
-    if threads is not None:
-        tables["machine"] = tables.get("machine", {}) | {"threads": threads}
-    try:
-        return Scene.model_validate(tables)
-    except ValidationError as error:
-        raise BadInput(f"{file}: {one_sentence(error)}") from error

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from taichi_silo import outline as polygons
 from taichi_silo.geometry import Axisymmetric, PlaneStrain
 from taichi_silo.grid import MARGIN, Grid
 from taichi_silo.particles import Particles
@@ -148,14 +149,14 @@ def side_contact(scene, friction_angle_deg: float | None = None):
 
 
 def walls_of(scene, section: Section, grid: Grid) -> tuple:
-    """Left, right, bottom; or left, right, floor (empty for a hopper) and gate."""
+    """Left, right, bottom; or left, right, floor (empty above an open hopper) and gate."""
     silo, h, side = scene.silo, scene.grid.cell_size_m, side_contact(scene)
-    lowest = MARGIN + math.ceil(silo.transition_m / h - 1e-9) if silo.hopper else 0
+    low = tuple(MARGIN + math.ceil(foot / h - 1e-9) if foot else 0 for foot in silo.feet_m)
     left, right = grid.node_along(0.0), grid.node_along(section.width)
     axis = Glide()
     sides = (
-        PlaneWall("axis", 0, -1, left, axis) if section.round else PlaneWall("left", 0, -1, left, side, lowest=lowest),
-        PlaneWall("axis", 0, 1, right, axis) if section.half else PlaneWall("right", 0, 1, right, side, lowest=lowest),
+        PlaneWall("axis", 0, -1, left, axis) if section.round else PlaneWall("left", 0, -1, left, side, lowest=low[0]),
+        PlaneWall("axis", 0, 1, right, axis) if section.half else PlaneWall("right", 0, 1, right, side, lowest=low[1]),
     )
     plate = Coulomb(scene.walls.bottom_friction_angle_deg)
     floor = grid.node_along(0.0)
@@ -177,19 +178,17 @@ def _edges(scene, section: Section, grid: Grid) -> tuple[int, int]:
 
 
 def surfaces_of(scene, section: Section) -> tuple[Surface, ...]:
-    """Hopper walls, from their top to a cell below the floor, and inserts."""
+    """Walls of a hopper or an outline that do not follow the grid, and inserts."""
     silo, h = scene.silo, scene.grid.cell_size_m
-    found = []
-    if silo.hopper is not None:
-        contact, tangent = side_contact(scene, silo.hopper.friction_angle_deg), silo.outlet_m[0] / silo.transition_m
-        top, foot = (0.0, silo.transition_m), (silo.outlet_m[0] + h * tangent, -h)
-
-        def mirrored(place):
-            return silo.width_m - section.shift - place[0], place[1]
-
-        if not section.round:
-            found.append(Surface("hopper_left", (top, foot), contact))
-        found.append(Surface("hopper_right", (mirrored(foot), mirrored(top)), contact))
+    angle = None if silo.hopper is None else silo.hopper.friction_angle_deg
+    contact, found = side_contact(scene, angle), []
+    for name, side, wall in zip(("left", "right"), silo.sides, (0.0, silo.width_m), strict=True):
+        foot = polygons.foot(side, wall)
+        if foot == 0.0 or (name == "left" and section.round):
+            continue
+        inclined = _extended(side[side[:, 1] <= foot + polygons.SAME], h)
+        upwards = [tuple(place) for place in inclined - (section.shift, 0.0)]
+        found.append(Surface(f"hopper_{name}", tuple(upwards if name == "right" else upwards[::-1]), contact))
     for number, insert in enumerate(silo.inserts):
         outline = insert.outline(silo.width_m) - (section.shift, 0.0)
         corners = [tuple(corner) for corner in outline[::-1]]
@@ -197,6 +196,13 @@ def surfaces_of(scene, section: Section) -> tuple[Surface, ...]:
             Surface(f"insert_{number + 1}", (*corners, corners[0]), side_contact(scene, insert.friction_angle_deg))
         )
     return tuple(found)
+
+
+def _extended(side: np.ndarray, length: float) -> np.ndarray:
+    """A side, from below the floor, which it meets as it goes on above."""
+    run, rise = side[1] - side[0]
+    slope = run / rise if rise > 0.0 else 0.0
+    return np.concatenate([[side[0] - (slope * length, length)], side])
 
 
 def load(particles: Particles, state: dict[str, np.ndarray]) -> None:

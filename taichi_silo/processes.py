@@ -5,6 +5,7 @@ Ctrl-C, when whoever started it stops it or is gone. No task outlives its parent
 its files in order.
 """
 
+import _thread
 import contextlib
 import os
 import signal
@@ -89,7 +90,7 @@ class Processes:
     def _one(self, task: Task) -> str:
         """Run a task; returns why it failed, or nothing."""
         command = [sys.executable, "-m", *task.program]
-        with tempfile.TemporaryFile("w+") as errors:  # a pipe that nobody reads in time would fill up
+        with tempfile.TemporaryFile("w+", encoding="utf-8") as errors:  # a pipe that nobody reads in time would fill up
             with self.lock:
                 if self.stopped:
                     return "stopped"
@@ -155,7 +156,10 @@ def given() -> str:
     def watch() -> None:
         while os.read(sys.stdin.fileno(), 1):  # past Python's own buffer, which a waiting thread would lock
             pass
-        os.kill(os.getpid(), signal.SIGINT)
+        if os.name == "nt":  # where signals to a process only end it
+            _thread.interrupt_main()
+        else:
+            os.kill(os.getpid(), signal.SIGINT)
 
     threading.Thread(target=watch, daemon=True).start()
     return line

@@ -8,9 +8,10 @@ from taichi_silo import flags, sands
 from taichi_silo.cli import explain, tell
 from taichi_silo.folder import free_name
 from taichi_silo.observers.progress import ProgressLine
-from taichi_silo.run import run
+from taichi_silo.one_run import run
 from taichi_silo.scene import Averaging, Filling, Flow, Machine, Mesh, Method, Output, Scene, Walls
 from taichi_silo.vessel import Silo
+from taichi_silo.voice import JsonFlag, QuietFlag, Voice
 
 SAND_FLAGS = {
     "void_ratio": (float, 0.60, "initial void ratio of the sand [-], between e_d0 and e_i0"),
@@ -48,6 +49,8 @@ RUN_FLAGS = {
     "film": (bool, True, "draw void_ratio.mp4"),
     "records_per_period": (int, 10, "rows of forces.csv in one period of the column, 4 to 100"),
     "explain": (flags.ExplainFlag, False, ""),
+    "quiet": (QuietFlag, False, ""),
+    "json": (JsonFlag, False, ""),
 }
 
 
@@ -95,15 +98,16 @@ class Common:
 
     def run(self, silo: Silo, name: str, flow: Flow | None = None) -> Path | None:
         """Run it, or explain it; the folder is outputs/NAME_e..._walls unless it is given."""
-        scene = self.scene(silo, flow)
+        scene, voice = self.scene(silo, flow), Voice(self.quiet, self.json)
         if self.cell_size is None and self.points_per_cell is None and self.values.get("speed") is None:
-            print(f"Fidelity {self.fidelity}: {fidelities.fidelity(self.fidelity).words()}.")
+            voice.say(f"Fidelity {self.fidelity}: {fidelities.fidelity(self.fidelity).words()}.")
         if self.explain:
             explain(scene)
             return None
         folder = self.output.expanduser() if self.output else None
         folder = folder or free_name(Path("outputs") / f"{name}_e{self.void_ratio:.2f}_{self.walls}")
-        tell(run(scene, folder, overwrite=self.overwrite, film=self.film, extra=(ProgressLine(),)))
+        lines = ProgressLine(voice.console)
+        tell(run(scene, folder, overwrite=self.overwrite, film=self.film, extra=(lines,)), voice)
         return folder
 
 

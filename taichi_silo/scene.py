@@ -32,9 +32,13 @@ def cores() -> int:
 class Walls(Table):
     """Side walls; the bottom plate is smooth unless told otherwise."""
 
-    kind: Literal["smooth", "very-rough"] = "very-rough"
-    friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="of smooth walls; measured value if absent")
-    bottom_friction_angle_deg: float = Field(0.0, ge=0, lt=90)
+    kind: Literal["smooth", "very-rough"] = Field(
+        "very-rough", description="with Coulomb friction, or so rough that sand does not slip on them"
+    )
+    friction_angle_deg: float | None = Field(
+        None, ge=0, lt=90, description="of smooth walls; 19, or for sand looser than e = 0.75 12.3, if absent"
+    )
+    bottom_friction_angle_deg: float = Field(0.0, ge=0, lt=90, description="of the bottom plate or floor")
 
     @model_validator(mode="after")
     def _friction(self):
@@ -49,9 +53,9 @@ class Walls(Table):
 class Mesh(Table):
     """Background grid and points."""
 
-    cell_size_m: float = Field(0.005, gt=0)
-    points_per_cell: int = 1
-    shape: Shape = "ugimp"
+    cell_size_m: float = Field(0.005, gt=0, description="divides width and height, and the edges of an outlet")
+    points_per_cell: int = Field(1, description="a square number: 1, 4, 9, ...")
+    shape: Shape = Field("ugimp", description="shape functions")
 
     @field_validator("points_per_cell")
     @classmethod
@@ -64,7 +68,9 @@ class Mesh(Table):
 class Flow(Table):
     """Outflow: the bottom, or a gate in the outlet, sinks at a speed, or the sand falls out by its weight."""
 
-    outflow: Literal["controlled", "gravity"] = "controlled"
+    outflow: Literal["controlled", "gravity"] = Field(
+        "controlled", description="at a given speed of the bottom or gate, or free"
+    )
     speed_m_per_s: float = Field(0.002, gt=0, description="of the bottom or gate; without meaning for gravity")
     displacement_m: float = Field(
         0.02, gt=0, description="of the bottom or gate at the end; for gravity of a gate that lets out as much"
@@ -84,16 +90,18 @@ class Filling(Table):
     weight. rain: row after row falls from a height.
     """
 
-    kind: Literal["gravity-ramp", "layers", "rain"] = "gravity-ramp"
-    layers: int = Field(20, ge=1, le=1000)
-    drop_m: float = Field(0.02, ge=0, description="of rain")
+    kind: Literal["gravity-ramp", "layers", "rain"] = Field(
+        "gravity-ramp", description="all sand in place while its weight grows; one layer after the other; falling rows"
+    )
+    layers: int = Field(20, ge=1, le=1000, description="their number")
+    drop_m: float = Field(0.02, ge=0, description="height of fall of rain")
 
 
 class Averaging(Table):
     """Non-local mean of the norm of the strain rate in the law's non-linear part."""
 
     characteristic_length_m: float | None = Field(None, ge=0, description="l_c; 3 d50 if absent, 0 for a local law")
-    weight: Literal["gaussian", "exponential"] = "gaussian"
+    weight: Literal["gaussian", "exponential"] = Field("gaussian", description="of neighbours")
 
     def length_m(self, sand: Sand) -> float:
         """l_c: as given, or three mean grain diameters."""
@@ -134,8 +142,10 @@ class Averaging(Table):
 class Method(Variant):
     """How it is computed."""
 
-    noise_control: Literal["column", "none"] = "column"
-    gravity_m_per_s2: float = Field(9.81, gt=0)
+    noise_control: Literal["column", "none"] = Field(
+        "column", description="force against swings of the column, none in steady flow; see noise.py"
+    )
+    gravity_m_per_s2: float = Field(9.81, gt=0, description="g")
     filling_time_s: float = Field(0.5, gt=0, description="of the increase of weight; at least 12 column periods")
     longest_settling_s: float = Field(1.0, ge=0, description="or 20 column periods, if longer")
 
@@ -149,8 +159,8 @@ class Output(Table):
 class Machine(Table):
     """Where it is computed."""
 
-    arch: Literal["cpu", "cuda"] = "cpu"
-    threads: int = Field(default_factory=lambda: min(2, cores()), ge=1)
+    arch: Literal["cpu", "cuda"] = Field("cpu", description="processor, or graphics card of Nvidia")
+    threads: int = Field(default_factory=lambda: min(2, cores()), ge=1, description="of the processor")
     lanes: bool = Field(True, description="eight points at once on the CPU's vector unit, where that can be trusted")
 
     @field_validator("threads")

@@ -65,9 +65,9 @@ def _obstacle(scene) -> str:
     if silo.section == "round":
         return "the section of a round silo is half of it already"
     if silo.outlet is not None and silo.outlet.position != "centre":
-        return f"the outlet stands at the {silo.outlet.position} wall"
-    if silo.hopper is not None or silo.inserts:
-        return "hoppers and inserts are computed whole"
+        return f"the outlet's position is {silo.outlet.position}"
+    if silo.hopper is not None or silo.outline_m is not None or silo.inserts:
+        return "hoppers, outlines and inserts are computed whole"
     cells = round(silo.width_m / scene.grid.cell_size_m)
     if cells % 2 or cells < FEWEST_CELLS:
         return f"{cells} cells across have no half (an even number of at least {FEWEST_CELLS} has)"

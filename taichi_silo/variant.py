@@ -16,10 +16,10 @@ Shape = Literal[tuple(SHAPES)]
 class Variant(Table):
     """Transfer, order of the step, filter and time step; the defaults are what the stability map recommends."""
 
-    transfer: Literal[tuple(TRANSFERS)] = "flip"
+    transfer: Literal[tuple(TRANSFERS)] = Field("flip", description="of velocity from grid to points")
     pic_share: float = Field(0.05, ge=0, le=1, description="of transfer blend, in each step")
-    stress_update: Literal[STRESS_UPDATES] = "last"
-    stress_filter: Literal[tuple(FILTERS)] = "none"
+    stress_update: Literal[STRESS_UPDATES] = Field("last", description="when in the step")
+    stress_filter: Literal[tuple(FILTERS)] = Field("none", description="of the stresses, after each step")
     time_step_s: float | None = Field(None, ge=1e-9, description="from the law's stiffness if absent")
     cfl: float | None = Field(None, gt=0, le=2, description="time step over h / (c + |v|); the shape's own if absent")
     mass_scaling: float = Field(1.0, ge=1, le=1e6, description="factor of inertia, not of weight")

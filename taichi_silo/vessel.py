@@ -9,68 +9,31 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
+import shapely
 from pydantic import Field, model_validator
 
+from taichi_silo import outline as polygons
+from taichi_silo.inserts import Insert
 from taichi_silo.table import Table
+
+__all__ = ["Hopper", "Insert", "Outlet", "Silo"]
 
 
 class Outlet(Table):
     """An opening of the flat floor; without it the whole floor is the outlet."""
 
-    width_m: float = Field(gt=0)
-    position: Literal["centre", "left", "right"] = "centre"
+    width_m: float = Field(gt=0, description="of the opening")
+    position: Literal["centre", "left", "right"] | float = Field(
+        "centre", description="in the floor: centre | left | right, or x of its middle [m]"
+    )
 
 
 class Hopper(Table):
     """Walls that converge towards an outlet, which is as wide as their lower ends are apart."""
 
     half_angle_deg: float = Field(gt=0, lt=80, description="of the walls, from the vertical")
-    outlet_width_m: float = Field(gt=0)
+    outlet_width_m: float = Field(gt=0, description="of the opening between their lower ends")
     friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="that of the side walls if absent")
-
-
-class Insert(Table):
-    """A body inside the sand: a roof (a triangle on its base) or a cylinder, across the whole silo."""
-
-    kind: Literal["roof", "cylinder"]
-    width_m: float = Field(gt=0, description="of the roof's base; diameter of the cylinder")
-    height_m: float | None = Field(None, gt=0, description="of a roof above its base; as high as wide if absent")
-    bottom_m: float = Field(gt=0, description="lowest place above the floor")
-    position_m: float | None = Field(None, gt=0, description="of its middle; that of the silo if absent")
-    friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="that of the side walls if absent")
-
-    @property
-    def rise_m(self) -> float:
-        """Height of the body."""
-        if self.kind == "cylinder":
-            return self.width_m
-        return self.width_m if self.height_m is None else self.height_m
-
-    def centre_m(self, silo_width_m: float) -> float:
-        """Where its middle stands."""
-        return 0.5 * silo_width_m if self.position_m is None else self.position_m
-
-    def outline(self, silo_width_m: float, corners: int = 48) -> np.ndarray:
-        """Corners (n, 2), anticlockwise [m]."""
-        x, low = self.centre_m(silo_width_m), self.bottom_m
-        if self.kind == "roof":
-            half = 0.5 * self.width_m
-            return np.array([[x - half, low], [x + half, low], [x, low + self.rise_m]])
-        turn = 2.0 * np.pi * np.arange(corners) / corners
-        radius = 0.5 * self.width_m
-        return np.array([x, low + radius]) + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-
-    def area_m2(self) -> float:
-        """Of its section."""
-        return 0.5 * self.width_m * self.rise_m if self.kind == "roof" else 0.25 * math.pi * self.width_m**2
-
-    def contains(self, x, y, silo_width_m: float):
-        """Whether places (arrays) lie inside."""
-        right, up = np.asarray(x) - self.centre_m(silo_width_m), np.asarray(y) - self.bottom_m
-        if self.kind == "cylinder":
-            radius = 0.5 * self.width_m
-            return right**2 + (up - radius) ** 2 < radius**2
-        return (up > 0.0) & (np.abs(right) < 0.5 * self.width_m * (1.0 - up / self.rise_m))
 
 
 class Silo(Table):
@@ -78,19 +41,47 @@ class Silo(Table):
 
     width_m: float = Field(0.2, gt=0, description="or diameter")
     height_m: float = Field(0.5, gt=0, description="height of the fill above the floor, a hopper included")
-    section: Literal["plane", "round"] = "plane"
-    half: Literal["auto", "yes", "no"] = Field("auto", description="compute one half and mirror it; see symmetry.py")
+    section: Literal["plane", "round"] = Field(
+        "plane", description="between parallel walls, or a cylinder about the middle; a hopper is a wedge, or a cone"
+    )
+    half: Literal["auto", "yes", "no"] = Field("auto", description="compute one half and mirror it")
     outlet: Outlet | None = None
     hopper: Hopper | None = None
+    outline_m: polygons.Corners | None = Field(
+        None,
+        description="corners (x, y) of the space for sand, instead of a hopper: a polygon with a level floor at y = 0, "
+        "the outlet unless there is one in it, a level top, and sides that lead up; width and height are its own if "
+        "absent",
+    )
     inserts: tuple[Insert, ...] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _sized(cls, given):
+        """Width and height of an outline, where they are not given."""
+        if isinstance(given, dict) and given.get("outline_m"):
+            try:
+                x, y = np.array([tuple(map(float, corner)) for corner in given["outline_m"]]).T
+            except (TypeError, ValueError):
+                return given  # what is wrong with it is said by the type
+            if x.max() > 0.0 and y.max() > 0.0:
+                return {"width_m": float(x.max()), "height_m": float(y.max())} | given
+        return given
+
+    @classmethod
+    def polygon(cls, outline_m, **more) -> "Silo":
+        """Of any shape: corners (x, y) [m] of the space for sand, and what else a silo has (outlet, inserts, ...)."""
+        return cls(outline_m=tuple((float(x), float(y)) for x, y in outline_m), **more)
 
     @model_validator(mode="after")
     def _fits(self):
         wide = self.width_m
+        if self.outline_m is not None:
+            self._check_outline()
         if self.outlet is not None and self.hopper is not None:
             raise ValueError("a silo has an outlet in its floor or a hopper, not both: a hopper ends in its own outlet")
-        if self.outlet is not None and not self.outlet.width_m < wide:
-            raise ValueError(f"outlet width is {self.outlet.width_m} m; it must be below the silo's width of {wide} m")
+        if self.outlet is not None:
+            self._check_outlet()
         if self.hopper is not None:
             if not self.hopper.outlet_width_m < wide:
                 raise ValueError(
@@ -104,22 +95,53 @@ class Silo(Table):
                 )
         for insert in self.inserts:
             self._check(insert)
+        shapes = [shapely.Polygon(insert.outline(wide)) for insert in self.inserts]
+        for number, one in enumerate(shapes):
+            if any(one.intersects(other) for other in shapes[:number]):
+                raise ValueError(f"insert {number + 1} overlaps another one; inserts must stand apart")
         if self.section == "round":
             self._check_round()
         return self
 
+    def _check_outline(self) -> None:
+        if self.hopper is not None:
+            raise ValueError("a silo has an outline or a hopper, not both: an outline has the hopper's walls in it")
+        left, right = polygons.sides(self.outline_m)
+        wide, high = max(left[:, 0].max(), right[:, 0].max()), left[-1, 1]
+        if abs(wide - self.width_m) > polygons.SAME:
+            raise ValueError(f"width is {self.width_m} m; that of the outline is {wide:g} m")
+        if self.height_m > high + polygons.SAME:
+            raise ValueError(f"height is {self.height_m} m; the outline ends at {high:g} m, and the fill not above it")
+        mirrored = np.column_stack([self.width_m - left[:, 0], left[:, 1]])
+        if self.section == "round" and not (len(left) == len(right) and np.allclose(mirrored, right, atol=1e-9)):
+            raise ValueError("the outline of a round silo must be symmetric about its axis")
+
+    def _check_outlet(self) -> None:
+        first, last = self.floor_m
+        b, (left, right) = self.outlet.width_m, self.outlet_m
+        if not b < last - first:
+            width = "the silo's width" if self.outline_m is None else "the floor's width"
+            raise ValueError(f"outlet width is {b} m; it must be below {width} of {last - first:g} m")
+        if left < first - polygons.SAME or right > last + polygons.SAME:
+            raise ValueError(
+                f"outlet position is {self.outlet.position} m; in a floor from {first:g} to {last:g} m the middle of "
+                f"{b} m must be between {first + 0.5 * b:g} and {last - 0.5 * b:g} m"
+            )
+
     def _check(self, insert: Insert) -> None:
         outline = insert.outline(self.width_m)
-        left, right = self.between(outline[:, 1])
-        if (outline[:, 0] <= left).any() or (outline[:, 0] >= right).any():
-            raise ValueError(
-                f"the {insert.kind} between x = {outline[:, 0].min():.4g} and {outline[:, 0].max():.4g} m must stand "
-                f"free of the walls of a silo {self.width_m} m wide"
-            )
+        low = outline[:, 1].min()
+        if low <= 0.0:
+            raise ValueError(f"the {insert.kind} reaches down to {low:g} m; it must stand above the floor at 0")
         if outline[:, 1].max() >= self.height_m:
             raise ValueError(
                 f"the {insert.kind} reaches up to {outline[:, 1].max():.4g} m; it must be below the surface of the "
                 f"fill at {self.height_m} m"
+            )
+        if not self._body.contains_properly(shapely.Polygon(outline)):
+            raise ValueError(
+                f"the {insert.kind} between x = {outline[:, 0].min():.4g} and {outline[:, 0].max():.4g} m must stand "
+                f"free of the walls of a silo {self.width_m} m wide"
             )
 
     def _check_round(self) -> None:
@@ -140,18 +162,41 @@ class Silo(Table):
     @property
     def sinks(self) -> bool:
         """Whether the whole floor is the outlet, and the grid sinks with it."""
-        return self.outlet is None and self.hopper is None and not self.inserts
+        return self.outlet is None and self.hopper is None and self.outline_m is None and not self.inserts
+
+    @property
+    def sides(self) -> tuple[np.ndarray, np.ndarray]:
+        """Left and right side, each (n, 2) from the floor up to the fill's surface or beyond [m]."""
+        return _sides(self)
+
+    @property
+    def feet_m(self) -> tuple[float, float]:
+        """Heights from which on the sides stand at x = 0 and at the width: 0 without hopper or outline."""
+        left, right = self.sides
+        return polygons.foot(left, 0.0), polygons.foot(right, self.width_m)
+
+    @property
+    def floor_m(self) -> tuple[float, float]:
+        """Left and right end of the floor, or of the opening between the lower ends of inclined walls."""
+        left, right = self.sides
+        return float(left[0, 0]), float(right[0, 0])
+
+    @property
+    def _body(self):
+        """Inside of the silo as a polygon."""
+        left, right = self.sides
+        return shapely.Polygon(np.concatenate([right, left[::-1]]))
 
     @property
     def outlet_m(self) -> tuple[float, float]:
         """Left and right edge of the opening of the floor."""
-        wide = self.width_m
-        if self.hopper is not None:
-            return 0.5 * (wide - self.hopper.outlet_width_m), 0.5 * (wide + self.hopper.outlet_width_m)
+        first, last = self.floor_m
         if self.outlet is None:
-            return 0.0, wide
-        b = self.outlet.width_m
-        left = {"centre": 0.5 * (wide - b), "left": 0.0, "right": wide - b}[self.outlet.position]
+            return first, last
+        b, position = self.outlet.width_m, self.outlet.position
+        if isinstance(position, float):
+            return position - 0.5 * b, position + 0.5 * b
+        left = {"centre": 0.5 * (first + last - b), "left": first, "right": last - b}[position]
         return left, left + b
 
     @property
@@ -163,18 +208,16 @@ class Silo(Table):
 
     @property
     def transition_m(self) -> float:
-        """Height at which a hopper meets the vertical walls; 0 without."""
+        """Height at which a hopper, or the last inclined wall of an outline, meets the vertical walls; 0 without."""
         if self.hopper is None:
-            return 0.0
+            return 0.0 if self.outline_m is None else max(self.feet_m)
         tangent = math.tan(math.radians(self.hopper.half_angle_deg))
         return 0.5 * (self.width_m - self.hopper.outlet_width_m) / tangent
 
     def between(self, y):
         """X of the left and of the right wall at heights (array)."""
-        high = self.transition_m
-        part = np.clip((high - np.asarray(y, float)) / high, 0.0, 1.0) if high else np.zeros_like(np.asarray(y, float))
-        left = part * self.outlet_m[0]
-        return left, self.width_m - left
+        left, right = self.sides
+        return polygons.place(left, y), polygons.place(right, y)
 
     def holds(self, x, y):
         """Whether places (arrays) hold sand when the silo is full."""
@@ -212,19 +255,19 @@ class Silo(Table):
     @property
     def area_m2(self) -> float:
         """Of the section of the fill; of a round silo twice its content per radian over the radius."""
-        cut = self.transition_m * self.outlet_m[0]  # of both wedges beside a hopper
-        bodies = sum(insert.area_m2() for insert in self.inserts)
-        if self.section == "plane":
-            return self.width_m * self.height_m - cut - bodies
-        return _round_area(self)
+        if self.section == "round":
+            return _round_area(self)
+        below = shapely.box(0.0, 0.0, self.width_m, self.height_m)
+        return float(self._body.intersection(below).area) - sum(insert.area_m2() for insert in self.inserts)
 
     def solids(self) -> list[np.ndarray]:
         """Outlines (n, 2) of hopper walls and inserts, for pictures [m]."""
         found = [insert.outline(self.width_m) for insert in self.inserts]
-        if self.hopper is not None:
-            wide, high, left = self.width_m, self.transition_m, self.outlet_m[0]
-            found.append(np.array([[0.0, 0.0], [left, 0.0], [0.0, high]]))
-            found.append(np.array([[wide, 0.0], [wide, high], [wide - left, 0.0]]))
+        for side, wall in zip(self.sides, (0.0, self.width_m), strict=True):
+            foot = polygons.foot(side, wall)
+            chain = side[side[:, 1] <= foot + polygons.SAME]
+            if foot > 0.0:
+                found.append(np.concatenate([[[wall, 0.0]], chain, [[wall, foot]]]))
         return found
 
     def words(self) -> str:
@@ -234,11 +277,28 @@ class Silo(Table):
             found.append("round silo")
         if self.outlet is not None:
             where = {"centre": "in the middle", "left": "at the left wall", "right": "at the right wall"}
-            found.append(f"outlet of {1e3 * self.outlet.width_m:g} mm {where[self.outlet.position]}")
+            place = self.outlet.position
+            found.append(
+                f"outlet of {1e3 * self.outlet.width_m:g} mm "
+                + (f"at x = {1e3 * place:g} mm" if isinstance(place, float) else where[place])
+            )
         if self.hopper is not None:
             found.append(f"hopper of {self.hopper.half_angle_deg:g}° with {1e3 * self.hopper.outlet_width_m:g} mm")
-        found += [f"{insert.kind} of {1e3 * insert.width_m:g} mm" for insert in self.inserts]
+        if self.outline_m is not None:
+            found.append(f"silo of {len(self.outline_m)} corners")
+        found += [insert.words() for insert in self.inserts]
         return ", ".join(found)
+
+
+@lru_cache(maxsize=64)
+def _sides(silo: Silo) -> tuple[np.ndarray, np.ndarray]:
+    if silo.outline_m is not None:
+        return polygons.sides(silo.outline_m)
+    wide, high, foot = silo.width_m, silo.height_m, silo.transition_m
+    if silo.hopper is None:
+        return np.array([[0.0, 0.0], [0.0, high]]), np.array([[wide, 0.0], [wide, high]])
+    left = 0.5 * (wide - silo.hopper.outlet_width_m)
+    return np.array([[left, 0.0], [0.0, foot], [0.0, high]]), np.array([[wide - left, 0.0], [wide, foot], [wide, high]])
 
 
 @lru_cache(maxsize=64)

@@ -12,6 +12,26 @@ from taichi_silo import runtime
 from taichi_silo.lanes import Lanes
 
 DATA = Path(__file__).parent / "data"
+AFFINITY = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+
+
+def pytest_configure(config):
+    """Each worker has a core of its own, so that runs take one thread: two would wait for each other's turn in vain."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER")
+    if worker and AFFINITY:
+        os.sched_setaffinity(0, {AFFINITY[int(worker.removeprefix("gw")) % len(AFFINITY)]})
+
+
+@pytest.fixture
+def all_cores():
+    """For a test whose point is that threads share a step."""
+    if not AFFINITY:
+        yield
+        return
+    own = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, AFFINITY)
+    yield
+    os.sched_setaffinity(0, own)
 
 
 def pytest_addoption(parser):

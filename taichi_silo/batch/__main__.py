@@ -6,8 +6,8 @@ from pathlib import Path
 
 from taichi_silo.faults import BadInput, RunFailed
 from taichi_silo.observers import Observer
+from taichi_silo.one_run import run
 from taichi_silo.processes import given
-from taichi_silo.run import run
 from taichi_silo.scene import Scene
 
 SAID_EVERY = 0.01  # of the run

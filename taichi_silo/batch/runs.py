@@ -9,9 +9,10 @@ from pathlib import Path
 
 from taichi_silo.cost import START_S, Cost, at_pace, rehearse
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE, parameters, read_scene
+from taichi_silo.folder import MADE, parameters
 from taichi_silo.processes import Processes, Task
 from taichi_silo.scene import Scene
+from taichi_silo.scene_file import read_scene
 from taichi_silo.simulation import Simulation
 
 

@@ -9,8 +9,9 @@ from pydantic import ValidationError
 
 from taichi_silo import sands
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE, parameters, read_scene
+from taichi_silo.folder import MADE, parameters
 from taichi_silo.scene import Machine, Scene
+from taichi_silo.scene_file import read_scene
 from taichi_silo.settings import OUTSIDE, changed, known, value
 from taichi_silo.table import one_sentence
 

@@ -25,7 +25,7 @@ def resume(
     from taichi_silo.cli import tell
     from taichi_silo.folder import finished
     from taichi_silo.observers.progress import ProgressLine
-    from taichi_silo.run import resume as go_on
+    from taichi_silo.one_run import resume as go_on
 
     voice = Voice(quiet, json)
     if finished(folder.expanduser()):

@@ -12,7 +12,6 @@ the free surface and at the bottom, which the default `heights` leave out.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import find_peaks
 from scipy.spatial import cKDTree
 
 SMALLEST_CHANGE = 0.01  # of the void ratio; anything below is no zone
@@ -160,6 +159,8 @@ def interior_zone_count(
     if band - background < smallest_change:
         return none
     rise = threshold * (band - background)
+    from scipy.signal import find_peaks  # with it comes all of scipy.stats, for half a second
+
     peak, _ = find_peaks(profile, height=background + rise, prominence=0.5 * rise)
     return InteriorZones(len(peak), rows[peak])
 

@@ -4,10 +4,13 @@ import time
 from pathlib import Path
 
 import numpy as np
+from pydantic import ValidationError
 
 from taichi_silo import archive, durable, state
 from taichi_silo.faults import BadInput
 from taichi_silo.observers import Observer
+from taichi_silo.scene import Scene
+from taichi_silo.table import one_sentence
 
 EVERY_S = 120.0  # of the wall clock
 NAME, PREVIOUS = "checkpoint.npz", "checkpoint.previous.npz"
@@ -76,6 +79,22 @@ class Checkpoint(Observer):
                     f"{self.folder / NAME} could not be written ({error.strerror or error}); an interrupted run would "
                     "go on from an earlier state."
                 )
+
+
+def scene_of(kept: dict, threads: int | None = None) -> Scene:
+    """The scene of what a checkpoint holds; on so many threads, if they are given.
+
+    Raises
+    ------
+    BadInput
+        if it is not possible on this machine.
+
+    """
+    changed = {} if threads is None else {"threads": threads}
+    try:
+        return Scene.model_validate(kept["scene"] | {"machine": kept["scene"]["machine"] | changed})
+    except ValidationError as error:
+        raise BadInput(one_sentence(error)) from error
 
 
 def is_there(folder: Path) -> bool:

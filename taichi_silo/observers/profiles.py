@@ -91,7 +91,7 @@ class WallProfiles(Observer):
             coordinate, stress = wall_stress(profile[wall, :slots], h, closed=name == "bottom")
             normal, shear = (stress[:, 0], stress[:, 1]) if name != "bottom" else (stress[:, 1], stress[:, 0])
             normal = -normal if name == "right" else normal
-            lowest = -np.inf if name == "bottom" else self.simulation.scene.silo.transition_m + origin - 1e-9
+            lowest = -np.inf if name == "bottom" else self.simulation.scene.silo.feet_m[wall] + origin - 1e-9
             for place, n, t in zip(coordinate + origin, normal, shear, strict=True):
                 if place >= lowest:  # below there is the wall of a hopper
                     writer.writerow([state, name, f"{place:.6g}", f"{n:.6g}", f"{t:.6g}"])

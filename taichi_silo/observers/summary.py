@@ -168,6 +168,8 @@ class Summary(Observer):
         }
         density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
         straight = scene.silo.height_m - scene.silo.transition_m
+        if straight <= 0.0:  # inclined walls up to the surface
+            return found
         try:
             found["pressure_ratio_fitted"] = float(
                 pressure_ratio_from_normal_force(
@@ -181,7 +183,7 @@ class Summary(Observer):
                 continue
             theory = janssen_of(scene, angle, found[f"pressure_ratio_{key}"])
             forces = {"normal_N_per_m": theory.normal_force_N_per_m, "shear_N_per_m": theory.shear_force_N_per_m}
-            if scene.silo.hopper is None:  # of a round silo two metres of girth are counted
+            if not scene.silo.transition_m:  # of a round silo two metres of girth are counted
                 forces["bottom_N_per_m"] = theory.bottom_force_N_per_m * (2 if scene.silo.section == "round" else 1)
             for name, value in forces.items():
                 found[f"{name}_{key}"] = float(value)

@@ -14,28 +14,27 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, app, archive, lock
+from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, app, archive, lock, one_run
 from taichi_silo.faults import BadInput, Stopped
 from taichi_silo.observers import Observer, checkpoint
 from taichi_silo.observers.checkpoint import NAME, PREVIOUS
-from taichi_silo.run import resume, run
+from taichi_silo.one_run import resume, run
 
 ROOT = Path(__file__).parents[2]
 SCENE = Scene(
     silo=Silo(height_m=0.4), grid=Mesh(cell_size_m=0.05), flow=Flow(speed_m_per_s=0.02, displacement_m=0.01),
     method=Method(filling_time_s=0.1, longest_settling_s=0.0), machine=Machine(threads=1, lanes=False),
 )  # fmt: skip
-RUNNING = sys.modules["taichi_silo.run"]  # the package has a function of this name
 CHILD = """
 import sys
 from pathlib import Path
-from taichi_silo import Scene, cli, resume, run
+from taichi_silo import Scene, cli, one_run
 from taichi_silo.observers import checkpoint
 checkpoint.EVERY_S = 0.05
-sys.modules["taichi_silo.run"]._Session._draw = lambda self: None
+one_run._Session._draw = lambda self: None
 scene, folder = Scene.model_validate_json(sys.argv.pop(1)), Path(sys.argv.pop(1))
 def go():
-    resume(folder) if checkpoint.is_there(folder) else run(scene, folder, overwrite=True, film=False)
+    one_run.resume(folder) if checkpoint.is_there(folder) else one_run.run(scene, folder, overwrite=True, film=False)
 cli.command(go)
 """
 
@@ -65,7 +64,7 @@ class Counter(Observer):
 def bare():
     """Figures take longer than these runs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(RUNNING._Session, "_draw", lambda self: None)
+        patch.setattr(one_run._Session, "_draw", lambda self: None)
         yield
 
 

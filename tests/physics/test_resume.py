@@ -9,20 +9,19 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 
 import imageio_ffmpeg
 import numpy as np
 import pytest
 
+from taichi_silo import one_run
 from taichi_silo.faults import Stopped
 from taichi_silo.observers import Observer, movie
 from taichi_silo.observers.checkpoint import Checkpoint
-from taichi_silo.run import resume, run
+from taichi_silo.one_run import resume, run
 from taichi_silo.scene import Averaging, Filling, Flow, Machine, Mesh, Method, Output, Scene, Silo, Walls
 from taichi_silo.vessel import Hopper, Outlet
 
-RUNNING = sys.modules["taichi_silo.run"]  # the package has a function of this name
 LANES = True  # see conftest.py; scenes that do without say so
 SMOOTH, ROUGH = Walls(kind="smooth"), Walls(kind="very-rough")
 LOW = Silo(height_m=0.4)
@@ -95,7 +94,7 @@ CASES = [
 @pytest.fixture(autouse=True)
 def bare(monkeypatch):
     """Figures take longer than these runs."""
-    monkeypatch.setattr(RUNNING._Session, "_draw", lambda self: None)
+    monkeypatch.setattr(one_run._Session, "_draw", lambda self: None)
 
 
 def photographed(one, folder, moments, monkeypatch, film=False):
@@ -118,7 +117,7 @@ def photographed(one, folder, moments, monkeypatch, film=False):
                     shutil.copytree(self.folder, copy)
 
     with monkeypatch.context() as patch:
-        patch.setattr(RUNNING, "Checkpoint", Photographer)
+        patch.setattr(one_run, "Checkpoint", Photographer)
         run(one, folder, film=film)
     return copies.values()
 
@@ -140,7 +139,9 @@ def assert_same(one, other, but=()):
 
 
 @pytest.mark.parametrize(("name", "threads", "lanes"), CASES)
-def test_a_run_that_was_killed_becomes_the_run_that_was_not(name, threads, lanes, tmp_path, monkeypatch):
+def test_a_run_that_was_killed_becomes_the_run_that_was_not(name, threads, lanes, tmp_path, monkeypatch, request):
+    if threads > 1:
+        request.getfixturevalue("all_cores")
     one, moments = SCENES[name]
     one = one.model_copy(update={"machine": Machine(threads=threads, lanes=lanes)})
     for copy in photographed(one, tmp_path / "whole", moments, monkeypatch):

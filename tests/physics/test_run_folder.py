@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from taichi_silo import archive
-from taichi_silo.folder import read_scene
+from taichi_silo.scene_file import read_scene
 
 SCRIPT = Path(__file__).parents[2] / "scenarios" / "mass_flow.py"
 FORCES = (

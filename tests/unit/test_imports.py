@@ -7,25 +7,28 @@ PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
     ["runtime", "maths", "tensors", "faults", "barrier", "processes", "durable", "stopping"],
-    ["grid", "particles", "noise", "geometry", "table", "archive", "lock"],
+    ["grid", "particles", "noise", "geometry", "table", "archive", "lock", "outline"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
     ["phases", "nodes", "survey"],
     ["filters", "lanes", "proof"],
     ["solver", "half"],
+    ["inserts"],
     ["variant", "vessel", "sand", "symmetry", "record"],
-    ["placing"],
+    ["placing", "drawing"],
     ["scene"],
     ["weaknesses", "settings", "fidelity", "column"],
     ["filling", "outflow", "ledger"],
     ["simulation", "state", "specimen", "sands"],
     ["trial"],
-    ["element", "folder", "timestep", "cost"],
+    ["element", "scene_file", "folder", "timestep", "cost"],
     ["stability"],
     ["plots"],
     ["biaxial"],
     ["observers", "parts"],
-    ["run", "batch", "chart", "paper"],
+    ["one_run", "batch", "chart", "paper"],
+    ["reference", "result", "health"],
+    ["api"],
     ["voice", "flags", "catalogue"],
     ["cli", "scenario", "__init__"],
     ["commands"],
@@ -35,7 +38,7 @@ RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ONLY_IN = {
     "matplotlib": {"plots", "observers", "biaxial"},
     "imageio_ffmpeg": {"observers"},
-    "meshio": {"observers", "plots", "biaxial", "paper"},
+    "meshio": {"observers", "plots", "biaxial", "paper", "result"},
 }
 
 

@@ -88,7 +88,7 @@ def resume(folder: Path, *, threads: int | None = None, film: bool | None = None
         raise BadInput(f"folder is {folder}; it must be that of a run that was begun, but it {what}")
     with lock.held(run_folder.writable(folder)):
         kept, words = checkpoint.latest(folder)
-        scene, drawn = run_folder.scene_of(kept["scene"], checkpoint.NAME, threads), "film" in kept["observers"]
+        scene, drawn = checkpoint.scene_of(kept, threads), "film" in kept["observers"]
         if film and not drawn:
             raise BadInput(f"film is asked for; the run in {folder} was begun without, and its beginning is gone")
         scene.machine.start()

@@ -1,0 +1,87 @@
+"""The functions of the Python interface."""
+
+import os
+from pathlib import Path
+
+from taichi_silo import one_run
+from taichi_silo.folder import free_name
+from taichi_silo.observers.progress import ProgressLine
+from taichi_silo.result import Result
+from taichi_silo.sands import sand as named_sand
+from taichi_silo.scene import Scene
+from taichi_silo.scene_file import read_scene
+
+__all__ = ["named_sand", "read_scene", "resume", "run"]
+
+
+def run(
+    scene: Scene,
+    folder: str | os.PathLike | None = None,
+    *,
+    overwrite: bool = False,
+    film: bool = True,
+    progress: bool = True,
+    extra: tuple = (),
+) -> Result:
+    """Run a scene and leave its folder.
+
+    Parameters
+    ----------
+    scene : what to simulate.
+    folder : where to leave it; the first free one of outputs/run, outputs/run-2, ... if not given.
+    overwrite : replace a run that is there.
+    film : draw the film.
+    progress : say what it will cost, and how far it is.
+    extra : further observers (`taichi_silo.observers.Observer`).
+
+    Returns
+    -------
+    What it left.
+
+    Raises
+    ------
+    BadInput
+        before any work, if the folder or the processor cannot be used.
+    RunFailed
+        if the run went wrong; the folder then holds everything up to that time.
+    Stopped
+        if Ctrl-C or the signal to end asked for it; `resume` goes on from there.
+
+    """
+    where = Path(folder) if folder is not None else free_name(Path("outputs") / "run")
+    lines = (ProgressLine(),) if progress else ()
+    return Result(one_run.run(scene, where, overwrite=overwrite, film=film, extra=(*extra, *lines)))
+
+
+def resume(
+    folder: str | os.PathLike,
+    *,
+    threads: int | None = None,
+    film: bool | None = None,
+    progress: bool = True,
+    extra: tuple = (),
+) -> Result:
+    """Go on with a run that was left, however it ended; one that is finished stays as it is.
+
+    Parameters
+    ----------
+    folder : of the run.
+    threads : CPU threads; as many as before if not given.
+    film : False draws no more of it; True or None go on with the film that was begun.
+    progress : say from where the run goes on, and how far it is.
+    extra : further observers; each takes up what one of its kind kept.
+
+    Returns
+    -------
+    What it left.
+
+    Raises
+    ------
+    BadInput
+        before any work, if there is nothing to go on from.
+    RunFailed, Stopped
+        as `run`.
+
+    """
+    lines = (ProgressLine(),) if progress else ()
+    return Result(one_run.resume(Path(folder), threads=threads, film=film, extra=(*extra, *lines)))

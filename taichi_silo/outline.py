@@ -1,0 +1,83 @@
+"""Polygons: the outline of a silo's inside, and that of a body in the sand."""
+
+import numpy as np
+import shapely
+
+Corners = tuple[tuple[float, float], ...]
+SAME = 1e-9  # places closer than that are one [m]
+
+
+def polygon(corners: Corners, name: str) -> np.ndarray:
+    """Corners (n, 2) anticlockwise [m], the last not again the first.
+
+    Raises
+    ------
+    ValueError
+        if they are fewer than three, enclose nothing, or the sides cross.
+
+    """
+    if len(corners) > 1 and np.allclose(corners[0], corners[-1], atol=SAME):
+        corners = corners[:-1]
+    if len(corners) < 3:
+        raise ValueError(f"the {name} has {len(corners)} corners; a polygon has at least 3")
+    shape = shapely.Polygon(corners)
+    if not shape.is_valid or shape.area < SAME:
+        why = shapely.is_valid_reason(shape).lower() if not shape.is_valid else "no area"
+        raise ValueError(f"the {name} is no simple polygon ({why}); its sides must not touch or cross each other")
+    return np.array(shapely.geometry.polygon.orient(shape).exterior.coords[:-1])
+
+
+def inside(x, y, corners: np.ndarray):
+    """Whether places (arrays) lie inside of a polygon."""
+    return shapely.contains_xy(shapely.Polygon(corners), np.asarray(x, float), np.asarray(y, float))
+
+
+def area(corners: np.ndarray) -> float:
+    """Of a polygon [m2]."""
+    return float(shapely.Polygon(corners).area)
+
+
+def sides(corners: Corners) -> tuple[np.ndarray, np.ndarray]:
+    """Left and right side of a silo's inside, each (n, 2) from the floor up to the top.
+
+    Raises
+    ------
+    ValueError
+        if it has no level floor at y = 0 or no level top, does not begin at x = 0, or a level line would cross it more
+        than twice.
+
+    """
+    found = polygon(corners, "outline")
+    low, high, left = found[:, 1].min(), found[:, 1].max(), found[:, 0].min()
+    if abs(low) > SAME or abs(left) > SAME:
+        raise ValueError(
+            f"the outline's least x and y are {left:g} and {low:g} m; both must be 0: x counts from its leftmost "
+            "place, y from the floor or the outlet"
+        )
+    chains = {}
+    for name, level in (("floor", low), ("top", high)):
+        if (np.abs(found[:, 1] - level) < SAME).sum() != 2:
+            raise ValueError(f"the outline has no level {name} at y = {level:g} m; it must be one side")
+    start = int(np.lexsort((-found[:, 0], np.round(found[:, 1] / SAME)))[0])  # right end of the floor
+    turned = np.roll(found, -start, axis=0)  # anticlockwise: right side up, top, left side down
+    top = int(np.argmax(np.round(turned[:, 1] / SAME)))  # the first corner of the top
+    chains = turned[: top + 1], turned[top + 1 :][::-1]
+    for name, chain in zip(("right", "left"), chains, strict=True):
+        if (np.diff(chain[:, 1]) < -SAME).any():
+            raise ValueError(f"the outline's {name} side turns down on its way up; a level line may cross it only once")
+    right, left = chains
+    return left, right
+
+
+def foot(chain: np.ndarray, wall_m: float) -> float:
+    """Height from which on a side stands on a vertical line; that of its end if its last part does not."""
+    if abs(chain[-1, 0] - wall_m) < SAME and abs(chain[-2, 0] - wall_m) < SAME:
+        return float(chain[-2, 1])
+    return float(chain[-1, 1])
+
+
+def place(chain: np.ndarray, y):
+    """X of a side at heights (array): above its ends that of the end."""
+    y = np.asarray(y, float)
+    nudge = np.arange(len(chain)) * 1e-12  # a level part is passed at once
+    return np.interp(y, chain[:, 1] + nudge, chain[:, 0])

@@ -1,0 +1,149 @@
+"""The program `taichi-silo`: its commands, what they print, and their exit codes."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from taichi_silo import app, catalogue
+from taichi_silo.scene import Scene
+from taichi_silo.scene_file import read_scene
+
+TINY = (
+    "[silo]\nwidth_m = 0.1\nheight_m = 0.2\n[grid]\ncell_size_m = 0.05\n[flow]\nspeed_m_per_s = 0.02\n"
+    "displacement_m = 0.0005\n[method]\nfilling_time_s = 0.05\nlongest_settling_s = 0.02\n"
+    "[machine]\nthreads = 1\nlanes = false\n"
+)
+
+
+def program(*words, cwd=None):
+    command = [sys.executable, "-m", "taichi_silo.app", *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=200, cwd=cwd)
+
+
+@pytest.fixture
+def said(capsys, monkeypatch):
+    """What a light command prints, and its exit code, without a process of its own."""
+
+    def of(*words):
+        monkeypatch.setattr(sys, "argv", ["taichi-silo", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            app.main()
+        found = capsys.readouterr()
+        return ended.value.code or 0, found.out, found.err
+
+    return of
+
+
+def test_the_help_names_every_command(said):
+    code, out, _ = said("--help")
+    assert code == 0
+    for name in app.COMMANDS:
+        assert f" {name} " in out
+
+
+@pytest.mark.parametrize("name", app.COMMANDS)
+def test_every_command_has_a_help_with_an_example_or_a_reason(said, name):
+    code, out, _ = said(name, "--help")
+    assert code == 0
+    assert "Usage: taichi-silo" in out
+
+
+def test_an_unknown_command_or_flag_is_refused(said):
+    assert said("rnu")[0] == 2
+    code, _, err = said("list", "--jsn")
+    assert code == 2
+    assert err.count("\n") == 1
+    assert "--jsn" in err
+
+
+def test_the_list_has_every_scenario_and_sand(said):
+    code, out, _ = said("list", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert set(found["scenarios"]) == {file.stem for file in catalogue.folder().glob("*.py")}
+    assert "hostun" in found["sands"]
+    assert all(found["scenarios"].values())
+
+
+def test_the_scene_that_is_printed_is_a_scene(said, tmp_path):
+    file = tmp_path / "silo.toml"
+    assert said("scene", "--output", file)[0] == 0
+    assert read_scene(file) == Scene()
+    code, _, err = said("scene", "--output", file)
+    assert code == 2
+    assert "is there already" in err
+    assert json.loads(said("scene", "--schema")[1])["title"] == "Scene"
+    assert said("scene", "--markdown")[1].startswith("## `[silo]`")
+
+
+def test_a_scene_is_checked_without_being_run(said, tmp_path):
+    file = tmp_path / "silo.toml"
+    file.write_text(TINY)
+    code, out, _ = said("run", file, "--check")
+    assert code == 0
+    assert "8 points" in out
+    code, out, _ = said("run", file, "--check", "--json", "--set", "grid.points_per_cell=4")
+    assert json.loads(out)["points"] == 32
+    assert [each.name for each in tmp_path.iterdir()] == ["silo.toml"]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["run", "outlt"], "did you mean outlet"),
+        (["run", "nowhere.toml"], "cannot be read as a scene"),
+        (["run", "{file}", "--set", "grid.cell_size_m=0.03"], "must divide the width"),
+        (["run", "{file}", "--set", "grid.cel_size_m=0.03"], "did you mean grid.cell_size_m"),
+        (["run", "{file}", "--colour"], "--colour"),
+        (["run", "mass_flow", "--void-ratio", "9"], "void ratio is 9"),
+    ],
+)
+def test_what_cannot_be_run_is_refused_in_one_sentence(said, tmp_path, words, sentence):
+    file = tmp_path / "silo.toml"
+    file.write_text(TINY)
+    code, out, err = said(*(word.format(file=file) for word in words))
+    assert (code, out) == (2, "")
+    assert err.startswith("Error: ")
+    assert err.count("\n") == 1
+    assert sentence in err
+
+
+def test_a_scene_runs_from_its_file_and_says_where_it_is(tmp_path):
+    (tmp_path / "mine.toml").write_text(TINY)
+    done = program("run", "mine.toml", "--no-film", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert Path(found["folder"]) == Path("outputs/mine")
+    assert found["summary"]["finished"]
+    assert (tmp_path / "outputs/mine/forces.csv").exists()
+    again = program("run", "outputs/mine/run.toml", "--no-film", "--quiet", "--output", "again", cwd=tmp_path)
+    assert (again.returncode, again.stdout) == (0, ""), again.stderr
+    assert (tmp_path / "again/forces.csv").read_bytes() == (tmp_path / "outputs/mine/forces.csv").read_bytes()
+    there = program("run", "mine.toml", "--output", "again", cwd=tmp_path)
+    assert there.returncode == 2
+    assert "holds a run already" in there.stderr
+
+
+def test_a_scenario_shows_its_own_flags():
+    done = program("run", "outlet", "--help")
+    assert done.returncode == 0
+    assert "Usage: taichi-silo run outlet" in done.stdout
+    assert "--outlet-width" in done.stdout
+
+
+def test_the_doctor_finds_this_machine_fit(tmp_path):
+    done = program("doctor", "--json", "--output", tmp_path / "outputs")
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["self-test"]["good"]
+    assert found["ffmpeg"]["good"]
+    assert not (tmp_path / "outputs").exists(), "it leaves nothing"
+
+
+def test_the_doctor_ends_with_1_where_nothing_can_be_written(tmp_path):
+    (tmp_path / "file").touch()
+    done = program("doctor", "--quiet", "--output", tmp_path / "file" / "outputs")
+    assert (done.returncode, done.stdout) == (1, "")

@@ -1,0 +1,176 @@
+"""Scenes from files: what is left out, what is named, what is misspelt; the template, the page and the schema."""
+
+import json
+
+import pytest
+import tomli_w
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from taichi_silo import reference, sands
+from taichi_silo.faults import BadInput
+from taichi_silo.folder import write_parameters
+from taichi_silo.scene import Flow, Mesh, Scene, Walls
+from taichi_silo.scene_file import read_scene
+from taichi_silo.vessel import Insert, Outlet, Silo
+
+ROOF_ABOVE = Insert(kind="roof", width_m=0.06, bottom_m=0.1)
+
+
+@pytest.fixture
+def read(tmp_path):
+    def of(text, *changes):
+        file = tmp_path / "scene.toml"
+        file.write_text(text if isinstance(text, str) else tomli_w.dumps(text), encoding="utf-8")
+        return read_scene(file, changes)
+
+    return of
+
+
+def test_an_empty_file_is_the_default_scene(read):
+    assert read("") == Scene()
+
+
+def test_the_template_is_the_default_scene(read):
+    assert read(reference.template()) == Scene()
+
+
+def test_the_template_shows_every_value_once():
+    lines = [line.lstrip("# ").split(" = ")[0] for line in reference.template().splitlines() if " = " in line]
+    assert sorted(lines) == sorted(entry.path.rpartition(".")[2] for entry in reference.entries())
+
+
+def test_every_value_says_what_it_is():
+    for entry in reference.entries():
+        assert entry.meaning, entry.path
+        assert entry.kind
+
+
+def test_every_quantity_with_a_unit_in_its_name_has_that_unit():
+    units = {entry.path: entry.unit for entry in reference.entries()}
+    assert units["flow.speed_m_per_s"] == "m/s"
+    assert units["method.gravity_m_per_s2"] == "m/s²"
+    assert units["sand.grain_density_kg_per_m3"] == "kg/m³"
+    assert units["silo.inserts[].width_m"] == "m"
+    assert units["sand.void_ratio"] == units["sand.n"] == ""
+
+
+def test_the_page_shows_every_value():
+    page = reference.markdown()
+    for entry in reference.entries():
+        assert f"| `{entry.path.rpartition('.')[2]}` |" in page
+
+
+def test_the_schema_knows_every_value():
+    text = json.dumps(Scene.model_json_schema())
+    for entry in reference.entries():
+        assert f'"{entry.path.rpartition(".")[2]}"' in text
+
+
+def test_a_published_sand_is_known_by_its_name(read):
+    assert read({"sand": {"name": "hostun", "void_ratio": 0.7}}).sand == sands.sand("hostun", 0.7)
+
+
+def test_constants_that_are_given_beat_those_of_the_name(read):
+    assert read({"sand": {"name": "hostun", "void_ratio": 0.7, "d50_m": 1e-3}}).sand.d50_m == 1e-3
+
+
+def test_a_run_toml_is_a_scene(read, tmp_path):
+    scene = Scene(
+        silo=Silo(outlet=Outlet(width_m=0.08, position=0.06), inserts=(ROOF_ABOVE,)),
+        walls=Walls(kind="smooth", friction_angle_deg=15), grid=Mesh(cell_size_m=0.01), sand=sands.sand("hostun", 0.7),
+    )  # fmt: skip
+    write_parameters(tmp_path, scene, {"wall_seconds": 1.0})
+    again = read_scene(tmp_path / "run.toml")
+    assert again.silo.model_copy(update={"half": "auto"}) == scene.silo
+    assert (again.sand.skeleton(), again.walls, again.grid) == (scene.sand.skeleton(), scene.walls, scene.grid)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    width=st.integers(4, 40), height=st.integers(6, 60), speed=st.floats(1e-5, 0.1), share=st.floats(0.01, 1.0),
+    walls=st.sampled_from(["smooth", "very-rough"]), name=st.sampled_from(sorted(sands.published())),
+    outlet=st.none() | st.tuples(st.integers(2, 3), st.sampled_from(["centre", "left", "right"])),
+)  # fmt: skip
+def test_a_scene_written_and_read_is_the_same(tmp_path_factory, width, height, speed, share, walls, name, outlet):
+    h, known = 0.01, sands.published()[name]
+    gate = None
+    if outlet:
+        columns, position = outlet
+        columns += (width - columns) % 2 if position == "centre" else 0
+        gate = Outlet(width_m=columns * h, position=position) if columns < width else None
+    scene = Scene(
+        silo=Silo(width_m=width * h, height_m=height * h, outlet=gate), walls=Walls(kind=walls),
+        grid=Mesh(cell_size_m=h), sand=sands.sand(name, 0.5 * (known["e_d0"] + known["e_c0"])),
+        flow=Flow(speed_m_per_s=speed, displacement_m=share * height * h * (0.5 if gate else 1.0)),
+    )  # fmt: skip
+    file = tmp_path_factory.mktemp("scene") / "scene.toml"
+    file.write_text(tomli_w.dumps(scene.model_dump(exclude_none=True)), encoding="utf-8")
+    assert read_scene(file) == scene
+
+
+def test_changes_stand_over_the_file(read):
+    scene = read(
+        '[sand]\nname = "hostun"\nvoid_ratio = 0.7', "flow.speed_m_per_s=0.005", "silo.outlet.width_m=0.08",
+        "walls.kind=smooth", "silo.outlet.position=right",
+    )  # fmt: skip
+    assert (scene.flow.speed_m_per_s, scene.silo.outlet, scene.walls.kind) == (
+        0.005, Outlet(width_m=0.08, position="right"), "smooth",
+    )  # fmt: skip
+
+
+ROOF = '[[silo.inserts]]\nkind = "roof"\nwidth_m = 0.06\nbottom_m = 0.1\n'
+
+
+def test_changes_reach_entries_of_lists(read):
+    assert read(ROOF, "silo.inserts.0.width_m=0.04").silo.inserts[0].width_m == 0.04
+
+
+@pytest.mark.parametrize(
+    ("text", "changes", "words"),
+    [
+        ("[flow]\nspeed = 1", (), ["flow.speed is not", "did you mean flow.speed_m_per_s"]),
+        ("[flw]\nspeed_m_per_s = 1", (), ["flw is not", "did you mean flow"]),
+        ("[sand.intergranular]\nradios = 1", (), ["sand.intergranular.radios", "radius"]),
+        (ROOF + "wdth_m = 1", (), ["silo.inserts.0.wdth_m", "silo.inserts.0.width_m"]),
+        ("[flow]\nspeed_m_per_s = -1", (), ["speed_m_per_s is -1", "above 0"]),
+        ("[flow]\nspeed_m_per_s = nan", (), ["speed_m_per_s is nan", "finite"]),
+        ("[flow]\nspeed_m_per_s = 'fast'", (), ["speed_m_per_s is fast", "number"]),
+        ("[walls]\nkind = 'rough'", (), ["walls is rough", "'smooth' or 'very-rough'"]),
+        ("[silo.outlet]\nposition = 'left'", (), ["silo.outlet.width_m is missing"]),
+        ("flow = 3", (), ["flow is 3", "Flow"]),
+        ("[sand]\nname = 'hostum'", (), ["sand.name is hostum", "did you mean hostun"]),
+        ("[sand]\nname = 'mine'\nn = 0.5", (), ["sand.name is mine", "critical_friction_angle_deg is missing"]),
+        ("[silo\n", (), ["cannot be read as a scene", "line 1"]),
+        ("", ("flow.speed_m_per_s",), ["PATH=VALUE"]),
+        ("", ("flow.speed=1",), ["flow.speed is not"]),
+        ("", ("silo.width_m.x=1",), ["width_m is {'x': 1}", "number"]),
+        (ROOF, ("silo.inserts.3.width_m=0.04",), ["3", "0 to 0"]),
+    ],
+    ids=lambda value: "",
+)
+def test_what_is_wrong_is_said_in_one_sentence(read, text, changes, words):
+    with pytest.raises(BadInput) as caught:
+        read(text, *changes)
+    sentence = str(caught.value)
+    assert "\n" not in sentence
+    for word in words:
+        assert word in sentence, sentence
+
+
+def test_a_file_that_is_not_there_or_no_text_is_refused(tmp_path):
+    with pytest.raises(BadInput, match="No such file"):
+        read_scene(tmp_path / "none.toml")
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(BadInput, match="cannot be read"):
+        read_scene(tmp_path / "bytes.toml")
+    with pytest.raises(BadInput, match="cannot be read"):
+        read_scene(tmp_path)
+
+
+@pytest.mark.parametrize("name", sands.published())
+def test_in_the_template_another_name_is_another_sand(read, name):
+    known = sands.published()[name]
+    e = round(0.5 * (known["e_d0"] + known["e_c0"]), 3)
+    text = reference.template().replace('"karlsruhe"', f'"{name}"').replace("void_ratio = 0.6 ", f"void_ratio = {e} ")
+    assert read(text).sand == sands.sand(name, e)
