@@ -49,7 +49,7 @@ def restore(simulation, kept: dict) -> None:
     for name, value in clock.items():
         setattr(simulation, name, value)
     simulation.filling = filling.Progress(**kept["filling"])
-    simulation.warnings = list(kept["warnings"])
+    simulation.warnings = list(dict.fromkeys([*kept["warnings"], *simulation.warnings]))
     simulation.after = SimpleNamespace(**kept["after"]) if kept["after"] else None
     simulation.identity = points.pop("identity")
     if simulation.stage == "flow" and simulation.scene.flow.outflow == "gravity":
