@@ -6,8 +6,8 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
-    ["runtime", "maths", "tensors", "faults", "barrier", "processes"],
-    ["grid", "particles", "noise", "geometry", "table"],
+    ["runtime", "maths", "tensors", "faults", "barrier", "processes", "vtu"],
+    ["grid", "particles", "noise", "geometry", "table", "snapshot"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
     ["phases", "nodes", "survey"],
@@ -20,12 +20,13 @@ LAYERS = [
     ["filling", "ledger"],
     ["simulation", "specimen", "sands"],
     ["trial"],
-    ["element", "folder", "timestep", "cost"],
+    ["element", "fields", "folder", "timestep", "cost"],
+    ["history"],
     ["stability"],
     ["plots"],
     ["biaxial"],
     ["observers", "parts"],
-    ["run", "batch", "chart", "paper"],
+    ["run", "batch", "chart", "paper", "render", "export"],
     ["voice", "flags", "catalogue"],
     ["cli", "scenario", "__init__"],
     ["commands"],
@@ -35,7 +36,7 @@ RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ONLY_IN = {
     "matplotlib": {"plots", "observers", "biaxial"},
     "imageio_ffmpeg": {"observers"},
-    "meshio": {"observers", "plots", "biaxial", "paper"},
+    "meshio": set(),
 }
 
 
