@@ -45,7 +45,7 @@ class History:
         if not (folder / MADE).is_file():
             raise BadInput(f"folder is {folder}; it must be that of a run, with {MADE} in it")
         index = _table(folder / "snapshots" / "index.csv", ["file", "stage", "time_s", "displacement_m"])
-        there = [(folder / "snapshots" / str(file)).is_file() for file in index["file"]]
+        there = np.array([(folder / "snapshots" / str(file)).is_file() for file in index["file"]], bool)
         index = index[there].sort_values("time_s", kind="stable").drop_duplicates("time_s", keep="last")
         if index.empty:
             raise BadInput(f"folder {folder} has no snapshots; it must be that of a run that has begun")

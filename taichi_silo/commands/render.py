@@ -17,15 +17,17 @@ def command(
         str, Option(help="void_ratio | strain_path | speed | mean_stress | mobilised_friction | layers")
     ] = "void_ratio",
     limits: Annotated[
-        str | None, Option("--range", help="LOW,HIGH: ends of the colours, in the unit of the field; from the data")
+        str | None, Option("--range", help="LOW,HIGH: ends of the colours; from the scene and the data if not given")
     ] = None,
     size: Annotated[str, Option(help="columns x rows of a frame, such as 1280x720; even numbers")] = "1920x1080",
-    seconds: Annotated[float | None, Option(help="length of the film [s]; 15 if no speed is given")] = None,
-    speed: Annotated[float | None, Option(help="of the sand over its own [-], in place of a length")] = None,
+    seconds: Annotated[float | None, Option(help="length of the film in seconds; 15 if no speed is given")] = None,
+    speed: Annotated[
+        float | None, Option(help="of the sand over its own, 0.5 for slow motion, in place of a length")
+    ] = None,
     fps: Annotated[int, Option(help="frames a second, 1 to 120")] = 30,
     frame: Annotated[
         float | None,
-        Option(help="draw one picture, at this displacement [mm], or in free outflow so long after the opening [s]"),
+        Option(help="draw one picture, at this displacement in mm, in free outflow so many seconds after the opening"),
     ] = None,
     output: Annotated[Path | None, Option(help="the film or picture; FOLDER/FIELD.mp4 if not given")] = None,
     overwrite: Annotated[bool, Option("--overwrite", help="replace a film or picture that is there")] = False,
@@ -72,10 +74,11 @@ def command(
     else:
         if speed is None:
             shown = moments.over(history, max(2, round((seconds or 15.0) * fps)))
+        elif history.end_s > speed * LONGEST_S:
+            lasts = history.end_s / speed
+            raise BadInput(f"speed is {speed:g}; the film would last {lasts:.4g} s, it must be at most {LONGEST_S:g} s")
         else:
             shown = moments.at_speed(history, speed, fps)
-        if len(shown) > LONGEST_S * fps:
-            raise BadInput(f"speed is {speed:g}; the film would last {len(shown) / fps:.4g} s, at most {LONGEST_S:g} s")
         console = voice.console
         silent = quiet or not console.is_terminal
         frames = track(shown, f"drawing {field}", console=console, transient=True, disable=silent)
