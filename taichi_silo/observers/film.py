@@ -32,6 +32,10 @@ class Film:
         self.picture = picture
         self._encoder = Encoder(Path(path), frames_per_second, picture.canvas.size)
 
+    def add_forces(self, *row: float) -> None:
+        """Extend the force curves, as `Picture.add_forces` is told."""
+        self.picture.add_forces(*row)
+
     def add_frame(self, position, values, **when) -> None:
         """Draw and encode one frame, as `Picture.frame` is told; RuntimeError if closed or if ffmpeg has stopped."""
         self._encoder.write(self.picture.frame(position, values, **when))

@@ -30,7 +30,7 @@ class Movie(Observer):
     def observe(self, record) -> None:
         """Extend the curves, and draw when a frame is due."""
         progress = self._progress(record)
-        self.film.picture.add_forces(progress, record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
+        self.film.add_forces(progress, record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
         flowing = record.stage == "flow"
         frames = FLOW_FRAMES if flowing else FILLING_FRAMES
         part = progress / self.course.end if flowing else record.time_s / self.filling_span

@@ -33,12 +33,12 @@ class Snapshots(Observer):
         self.folder.mkdir(exist_ok=True)
         for old in self.folder.glob("*.vtu"):
             old.unlink()
-        self.rows, self.last, self.due = [], None, {"filling": 0, "flow": 0}
+        self.rows, self.due = [], {"filling": 0, "flow": 0}
         self._write("start")
 
     def observe(self, record) -> None:
         """Write when a displacement is reached, or a share of the filling or the flow is over."""
-        self.last, due = record, self._due(record)
+        due = self._due(record)
         passed, self.due[record.stage] = due > self.due[record.stage], due
         while record.stage == "flow" and self.wanted and record.displacement_m >= self.wanted[0] - TOLERANCE:
             self._write(f"flow_{1e3 * self.wanted.pop(0):07.3f}mm")
@@ -64,7 +64,7 @@ class Snapshots(Observer):
     def end(self) -> None:
         """Write the last state."""
         named = [row for row in self.rows if not row["file"].startswith(snapshot.BETWEEN)]
-        if self.last is not None and named[-1]["time_s"] != self.simulation.time:
+        if self.simulation.steps > 0 and named[-1]["time_s"] != self.simulation.time:
             self._write("end")
 
     def _write(self, name: str) -> None:
@@ -78,6 +78,10 @@ class Snapshots(Observer):
                 "displacement_m": simulation.displacement,
             }
         )
+        self._list()
+
+    def _list(self) -> None:
+        """Write both lists of what there is."""
         with open(self._part("index.csv"), "w", newline="", encoding="utf-8") as stream:
             writer = csv.DictWriter(stream, self.rows[0])
             writer.writeheader()

@@ -93,7 +93,7 @@ def test_film_is_h264_of_the_right_size_and_named_when_closed(tmp_path):
         bare = canvas.background.copy()
         for k in range(8):
             u = max(0, k - 2) / 5 * DISPLACEMENT
-            movie.picture.add_forces(u, 560.0 - 1e4 * u, 530.0, 550.0 + 2e4 * u)
+            movie.add_forces(u, 560.0 - 1e4 * u, 530.0, 550.0 + 2e4 * u)
             sunk = position - (0.0, u)
             sunk[0] = np.nan  # a lost point spoils nothing
             void_ratio = np.where(np.abs(position[:, 0] - WIDTH / 2) > 0.08, 0.8, 0.6)

@@ -36,7 +36,7 @@ def points():
 class Course:
     """A simulation that only tells where it is."""
 
-    filling_time, flow_start = 0.5, 0.6
+    filling_time, flow_start, steps = 0.5, 0.6, 0
 
     def __init__(self, scene):
         self.scene, self.stage, self.time, self.displacement = scene, "filling", 0.0, 0.0
@@ -45,7 +45,7 @@ class Course:
         return made_up.state(made_up.scene(), self.displacement)
 
     def record(self, time_s, stage, displacement_m=0.0):
-        self.time, self.stage, self.displacement = time_s, stage, displacement_m
+        self.time, self.stage, self.displacement, self.steps = time_s, stage, displacement_m, self.steps + 1
         return SimpleNamespace(time_s=time_s, stage=stage, displacement_m=displacement_m)
 
 
