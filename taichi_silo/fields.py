@@ -172,7 +172,7 @@ FIELDS = {
     ),
     "strain_path": Field(
         "path length of the strain since the start, the integral of ||D|| dt: shear to and fro adds up", "strain_path",
-        Scale("path length of the strain ∫‖D‖dt (–)", "plasma", 0.0, 1.0),
+        Scale("path length of the strain ∫‖D‖ dt (–)", "plasma", 0.0, 1.0),
         lambda points, start, scene: points["path"], to_most(2.0), lambda values: True,
     ),
     "speed": Field(
