@@ -6,7 +6,7 @@ import typer
 
 from taichi_silo.cli import serve
 
-COMMANDS = ("list", "render", "export")  # in the order of the help
+COMMANDS = ("list", "render", "export", "gallery")  # in the order of the help
 
 
 def make() -> typer.Typer:

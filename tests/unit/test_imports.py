@@ -26,7 +26,7 @@ LAYERS = [
     ["plots"],
     ["biaxial"],
     ["observers", "parts"],
-    ["run", "batch", "chart", "paper", "render", "export"],
+    ["run", "batch", "chart", "paper", "render", "export", "gallery"],
     ["voice", "flags", "catalogue"],
     ["cli", "scenario", "__init__"],
     ["commands"],
@@ -35,7 +35,9 @@ LAYERS = [
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ONLY_IN = {
     "matplotlib": {"plots", "observers", "biaxial"},
-    "imageio_ffmpeg": {"observers"},
+    "imageio_ffmpeg": {"observers", "gallery"},
+    "jinja2": {"gallery"},
+    "h5py": {"export"},
     "meshio": set(),
 }
 
