@@ -6,7 +6,9 @@ import typer
 
 from taichi_silo.cli import serve
 
-COMMANDS = ("run", "scene", "list", "drawing", "doctor")  # in the order of the help
+COMMANDS = (
+    "run", "scene", "list", "render", "export", "gallery", "drawing", "doctor",
+)  # in the order of the help
 
 
 def make() -> typer.Typer:

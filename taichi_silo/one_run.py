@@ -60,7 +60,7 @@ def run(scene: Scene, folder: Path, *, overwrite: bool = False, film: bool = Tru
         Table(folder / "forces.csv", FORCES, bodies=True),
         Table(folder / "balance.csv", BALANCE),
         profiles,
-        Snapshots(folder, wanted | {scene.flow.displacement_m}),
+        Snapshots(folder, wanted | {scene.flow.displacement_m}, scene.snapshots),
         Checkpoint(folder / "checkpoint.npz"),
         summary,
         *([Movie(folder / "void_ratio.mp4")] if film else []),

@@ -5,7 +5,16 @@ import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
 from taichi_silo.plots.run_files import by_void_ratio, sand_title
-from taichi_silo.plots.style import BLUE, GREEN, REFERENCE, VERMILLION, line_colors, new_figure, start_at_zero
+from taichi_silo.plots.style import (
+    BLUE,
+    GREEN,
+    REFERENCE,
+    VERMILLION,
+    line_colors,
+    new_figure,
+    put_title,
+    start_at_zero,
+)
 
 SMOOTHING = 0.005  # window of the median lines, as a fraction of the whole displacement
 ASYMMETRY = 0.05  # difference of the walls' forces, relative to their mean, from which on each wall is drawn
@@ -40,7 +49,7 @@ def run_forces_figure(run):
     """Return the figure of P, T and N of one run, or None without data."""
     if run.forces.empty:
         return None
-    figure = new_figure(12.5, 4.6)
+    figure = new_figure(11.0, 4.6)
     panels = dict(zip(FORCES, figure.subplots(1, 3), strict=True))
     for (name, panel), color in zip(panels.items(), (BLUE, VERMILLION, GREEN), strict=True):
         _curve(panel, run, lambda rows, name=name: force(rows, name), color, "median", raw_label="every row")
@@ -54,7 +63,7 @@ def run_forces_figure(run):
     origin = "T, N: mean of both walls"
     if run.filled is not None:
         origin += f"; weight W = {run.filled['weight_N_per_m'] / 1e3:.3g} kN/m"
-    figure.suptitle(f"Forces per metre run: {run.title}\n{origin}")
+    put_title(figure, f"Forces per metre run: {run.title}", origin)
     _legend_below(figure, max(panels.values(), key=lambda panel: len(panel.get_lines())), columns=6)
     return figure
 

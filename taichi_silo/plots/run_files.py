@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pandas as pd
 
+from taichi_silo import vtu
 from taichi_silo.laws import GudehusBauer
 from taichi_silo.scene import LOOSE_FROM
+from taichi_silo.snapshot import figured
 from taichi_silo.theory.eurocode import EurocodeSilo
 from taichi_silo.theory.janssen import Janssen
 from taichi_silo.theory.of_scene import eurocode_of
@@ -35,7 +36,7 @@ class RunFiles:
     parameters, summary : dict
         `run.toml` and `summary.json`.
     forces, walls, snapshots : DataFrame
-        `forces.csv`, `walls.csv` and `snapshots/index.csv`.
+        `forces.csv`, `walls.csv` and `snapshots/index.csv`, less the snapshots that only films need.
     """
 
     folder: Path
@@ -58,7 +59,7 @@ class RunFiles:
             summary=json.loads(summary.read_text()) if summary.exists() else {},
             forces=_table(folder / "forces.csv", ["stage", "time_s", "displacement_m"]),
             walls=_table(folder / "walls.csv", ["state", "wall", "height_m"]),
-            snapshots=_table(folder / "snapshots/index.csv", ["file", "stage", "time_s", "displacement_m"]),
+            snapshots=figured(_table(folder / "snapshots/index.csv", ["file", "stage", "time_s", "displacement_m"])),
         )
 
     def parameter(self, table: str, name: str, default=None):
@@ -173,10 +174,10 @@ class RunFiles:
 
     def read_snapshot(self, file: str):
         """Return points (n, 2) [m], void ratio (n,) and side (n,) [m] of the square each point stands for."""
-        mesh = meshio.read(self.folder / "snapshots" / file)
-        void_ratio, volume = (np.ravel(mesh.point_data[name]) for name in ("void_ratio", "volume_m2_per_m"))
-        finite = np.isfinite(mesh.points).all(axis=1) & np.isfinite(void_ratio) & (volume > 0.0)
-        return mesh.points[finite, :2], void_ratio[finite], np.sqrt(volume[finite])
+        places, arrays = vtu.read(self.folder / "snapshots" / file)
+        void_ratio, volume = (arrays[name].astype(float) for name in ("void_ratio", "volume_m2_per_m"))
+        finite = np.isfinite(places).all(axis=1) & np.isfinite(void_ratio) & (volume > 0.0)
+        return places[finite, :2], void_ratio[finite], np.sqrt(volume[finite])
 
 
 def _table(path: Path, columns: list[str]) -> pd.DataFrame:

@@ -6,8 +6,8 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
-    ["runtime", "maths", "tensors", "faults", "barrier", "processes"],
-    ["grid", "particles", "noise", "geometry", "table", "outline"],
+    ["runtime", "maths", "tensors", "faults", "barrier", "processes", "vtu"],
+    ["grid", "particles", "noise", "geometry", "table", "outline", "snapshot"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
     ["phases", "nodes", "survey"],
@@ -21,12 +21,13 @@ LAYERS = [
     ["filling", "ledger"],
     ["simulation", "specimen", "sands"],
     ["trial"],
-    ["element", "scene_file", "folder", "timestep", "cost"],
+    ["element", "scene_file", "fields", "folder", "timestep", "cost"],
+    ["history"],
     ["stability"],
     ["plots"],
     ["biaxial"],
     ["observers", "parts"],
-    ["one_run", "batch", "chart", "paper"],
+    ["one_run", "batch", "chart", "paper", "render", "export", "gallery"],
     ["reference", "result", "health"],
     ["api"],
     ["voice", "flags", "catalogue"],
@@ -37,8 +38,10 @@ LAYERS = [
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ONLY_IN = {
     "matplotlib": {"plots", "observers", "biaxial"},
-    "imageio_ffmpeg": {"observers"},
-    "meshio": {"observers", "plots", "biaxial", "paper", "result"},
+    "imageio_ffmpeg": {"observers", "gallery"},
+    "jinja2": {"gallery"},
+    "h5py": {"export"},
+    "meshio": set(),
 }
 
 
