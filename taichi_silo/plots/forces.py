@@ -1,5 +1,7 @@
 """Forces on bottom and walls, and the wall friction angle, against the bottom displacement (Fig. 10, 11)."""
 
+import textwrap
+
 import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
@@ -67,7 +69,8 @@ def run_angle_figure(run):
     panel = figure.subplots()
     _curve(panel, run, angle, BLUE, "median", raw_label="every row")
     _reference_angle(panel, run)
-    panel.set(ylabel=ANGLE, title=f"Mobilised wall friction: {run.title}")
+    panel.set_title(f"Mobilised wall friction\n{textwrap.fill(run.title, 88)}", fontsize=11)
+    panel.set_ylabel(ANGLE)
     x_axis(panel, [run])
     start_at_zero([panel], "y")
     _legend_below(figure, panel, columns=2)

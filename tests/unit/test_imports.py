@@ -26,6 +26,8 @@ LAYERS = [
     ["biaxial"],
     ["observers", "parts"],
     ["run", "batch", "chart", "paper"],
+    ["report"],
+    ["compare"],
     ["voice", "flags", "catalogue"],
     ["cli", "scenario", "__init__"],
     ["commands"],
@@ -34,7 +36,8 @@ LAYERS = [
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ONLY_IN = {
     "matplotlib": {"plots", "observers", "biaxial"},
-    "imageio_ffmpeg": {"observers"},
+    "imageio_ffmpeg": {"observers", "report"},
+    "jinja2": {"report"},
     "meshio": {"observers", "plots", "biaxial", "paper"},
 }
 
