@@ -16,10 +16,12 @@ from taichi_silo.report.states import FORCES, wall_profile
 def draw(runs: list[RunFiles], measured: list[Measured], with_janssen: bool, target: Path) -> list[Path]:
     """Draw `compare_forces.png` and `compare_walls.png` into a folder, and return those that have data.
 
-    Places are displacements; times since the outflow began, if a run falls freely or a measurement was taken in time.
+    Places are those of the measured curves; without any, displacements, or times since the outflow began if a run
+    falls freely.
     """
-    time = any(run.free for run in runs) or any(one.place == "time_s" for one in measured)
-    place = "time_s" if time else "displacement_m"
+    taken = {one.place for one in measured if one.kind == "curves"}
+    place = taken.pop() if taken else "time_s" if any(run.free for run in runs) else "displacement_m"
+    time = place == "time_s"
     curves = {run.label: {name: curve(run, name, place) for name in LABELS} for run in runs}
     profiles = {run.label: {key: _walls(run, *key) for key in product(STATES, STRESSES)} for run in runs}
     top = max(run.silo.height_m for run in runs)

@@ -64,6 +64,8 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, paper: bool, c
     """
     runs = read_runs(folders)
     measured = [read(file) for file in csv]
+    if len({one.place for one in measured if one.kind == "curves"}) > 1:
+        raise BadInput("csv: curves are given over displacement and over time; they must all be over one of them")
     if len(runs) == 1 and not (janssen or paper or measured):
         raise BadInput("runs: there is 1; it must be 2 or more, or one with --janssen, --paper or --csv FILE")
     found = Comparison(

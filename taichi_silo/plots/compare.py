@@ -31,7 +31,7 @@ MARKS = {"left_normal": "<", "left_shear": "<", "right_normal": ">", "right_shea
 
 
 def save(figures: dict, target: Path) -> list[Path]:
-    """Draw figures, functions by the names of their files, into a folder, and return those that had something to draw."""
+    """Draw figures, functions by the names of their files, into a folder; return the files that have data."""
     written = []
     for name, make_figure in figures.items():
         with rc_context(STYLE):

@@ -1,13 +1,15 @@
 """Film and figures as data that a page can hold."""
 
 import base64
+import io
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
 import imageio_ffmpeg
+from PIL import Image
 
-POSTER_WIDTH = 1280
+POSTER_WIDTH, QUALITY = 1280, 85
 FROM_END_S = 0.5  # where the poster is taken: nearly all has happened
 SLOWEST_S = 60.0
 
@@ -47,9 +49,12 @@ def _frame(file: Path) -> bytes:
         return b""
     command = [
         imageio_ffmpeg.get_ffmpeg_exe(), "-nostdin", "-loglevel", "error", "-sseof", f"-{FROM_END_S}", "-i", str(file),
-        "-frames:v", "1", "-vf", f"scale={POSTER_WIDTH}:-2", "-q:v", "4", "-f", "image2pipe", "-c:v", "mjpeg", "-",
+        "-frames:v", "1", "-vf", f"scale={POSTER_WIDTH}:-2", "-f", "image2pipe", "-c:v", "png", "-",
     ]  # fmt: skip
     try:
-        return subprocess.run(command, capture_output=True, timeout=SLOWEST_S, check=True).stdout
-    except (OSError, subprocess.SubprocessError):
+        picture = subprocess.run(command, capture_output=True, timeout=SLOWEST_S, check=True).stdout
+        content = io.BytesIO()
+        Image.open(io.BytesIO(picture)).convert("RGB").save(content, "JPEG", quality=QUALITY)
+        return content.getvalue()
+    except (OSError, subprocess.SubprocessError):  # no film, or one that was cut off; Pillow's errors are OSErrors
         return b""

@@ -16,12 +16,20 @@ TITLES = {
     "filling": "Filling", "flow": "Flow", "method": "Method", "output": "Output", "machine": "Machine",
     "program": "Program",
 }  # fmt: skip
-MEANINGS = {  # of what a scene does not describe
+MEANINGS = {  # where a scene does not say it, or not in full
+    "silo.width_m": "distance of the walls, or diameter",
+    "silo.half": "whether one half was computed and mirrored",
+    "silo.hopper.half_angle_deg": "of the hopper's walls, from the vertical",
+    "walls.friction_angle_deg": "of smooth walls",
+    "averaging.characteristic_length_m": "lc of the non-local average; 0 for a local law",
+    "sand.intergranular.radius": "R, largest intergranular strain",
+    "filling.drop_m": "height of fall, with rain",
     "silo.section": "plane: between parallel walls; round: a cylinder by its section",
     "silo.outlet.width_m": "of the opening in the floor",
     "silo.outlet.position": "of the opening",
     "silo.hopper.outlet_width_m": "distance of the lower ends of the hopper's walls",
     "silo.inserts": "bodies inside the sand",
+    "silo.inserts.kind": "roof or cylinder",
     "sand.name": "of the published set",
     "sand.law": "gudehus-bauer; intergranular: with a memory of the last strain",
     "sand.void_ratio": "volume of voids over volume of grains, at the start",
@@ -52,7 +60,7 @@ MEANINGS = {  # of what a scene does not describe
     "method.stress_update": "when in the step stresses are updated",
     "method.stress_filter": "of the stresses",
     "method.noise_control": "column: drag towards the recent mean motion; none",
-    "method.gravity_m_per_s2": "",
+    "method.gravity_m_per_s2": "acceleration",
     "method.longest_settling_s": "rest after filling, at most; or 20 column periods, if longer",
     "machine.arch": "cpu or cuda",
     "machine.threads": "of the processor",
@@ -100,7 +108,9 @@ def _words(value) -> str:
         return "true" if value else "false"
     if isinstance(value, list):
         return ", ".join(map(_words, value)) or "none"
-    return f"{value:g}" if isinstance(value, float) and f"{value:g}" == repr(value).removesuffix(".0") else str(value)
+    if isinstance(value, float):
+        return repr(value).removesuffix(".0")
+    return str(value)
 
 
 def unit(name: str) -> str:
@@ -111,16 +121,20 @@ def unit(name: str) -> str:
 
 
 def meaning(path: str) -> str:
-    """What a parameter is: as the scene describes it, or as is said here."""
+    """What a parameter is."""
     names = [name for name in path.split(".") if not name.isdigit()]
-    table, described = Scene, None
+    return MEANINGS.get(".".join(names)) or _described(names)
+
+
+def _described(names: list[str]) -> str:
+    """As the scene describes it."""
+    table, words = Scene, None
     for name in names:
         field = getattr(table, "model_fields", {}).get(name)
         if field is None:
-            described = None
-            break
-        described, table = field.description, _model(field.annotation)
-    return described or MEANINGS.get(".".join(names), "")
+            return ""
+        words, table = field.description, _model(field.annotation)
+    return words or ""
 
 
 def _model(annotation):
