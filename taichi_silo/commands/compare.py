@@ -7,7 +7,7 @@ from typer import Argument, Option
 
 from taichi_silo.voice import JsonFlag, QuietFlag, Voice
 
-FoldersArgument = Annotated[list[Path], Argument(metavar="DIR...", help="runs; the others are set against the first")]
+FoldersArgument = Annotated[list[Path], Argument(metavar="DIR", help="runs; the others are set against the first")]
 JanssenFlag = Annotated[bool, Option("--janssen", help="add Janssen's theory to figures and tables")]
 PaperFlag = Annotated[bool, Option("--paper", help="add what the paper states of each run's case")]
 CsvOption = Annotated[
@@ -35,13 +35,12 @@ def compare(
 ):
     """Lay runs over each other: forces, wall stresses, and a table of their differences.
 
-    Leaves compare.csv, compare_forces.png and compare_walls.png, and with the flags janssen.csv, deviation.csv and
-    paper.csv.
+    Leaves compare.csv and two figures; with the flags janssen.csv, deviation.csv, paper.csv.
 
         taichi-silo compare outputs/smooth outputs/rough
         taichi-silo compare outputs/smooth --janssen
         taichi-silo compare outputs/rough --csv measured.csv
-        taichi-silo compare outputs/rough outputs/smooth --paper --output outputs/against_the_paper
+        taichi-silo compare outputs/rough outputs/smooth --paper --output both
     """
     from taichi_silo.compare import show
     from taichi_silo.compare.whole import compared

@@ -69,7 +69,8 @@ def run_angle_figure(run):
     panel = figure.subplots()
     _curve(panel, run, angle, BLUE, "median", raw_label="every row")
     _reference_angle(panel, run)
-    panel.set_title(f"Mobilised wall friction\n{textwrap.fill(run.title, 88)}", fontsize=11)
+    words = textwrap.fill(run.title.replace(" mm", "\u00a0mm"), 88)  # no line may begin with a unit
+    panel.set_title(f"Mobilised wall friction\n{words}", fontsize=11)
     panel.set_ylabel(ANGLE)
     x_axis(panel, [run])
     start_at_zero([panel], "y")

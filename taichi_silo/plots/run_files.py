@@ -203,17 +203,19 @@ def _tables(path: Path, parse, trouble: list) -> dict:
 def _table(path: Path, columns: tuple[str, ...], trouble: list) -> pd.DataFrame:
     """Return a table, or an empty one with these columns if the file is not there, has no content yet or is damaged.
 
-    Numbers out of all bounds, which a run that went wrong may leave, and words in place of numbers read as nan.
+    Numbers out of all bounds, which a run that went wrong may leave, words in place of numbers, and columns that are
+    missing read as nan; without its first three columns a table is damaged.
     """
     empty = pd.DataFrame({name: pd.Series(dtype=object if name in WORDS else float) for name in columns})
     try:
         table = pd.read_csv(path, on_bad_lines="skip", encoding="utf-8")
-        table[list(columns)]
+        table[list(columns[:3])]
     except (FileNotFoundError, pd.errors.EmptyDataError):
         return empty
     except (OSError, KeyError, ValueError):  # a parser's own errors are ValueErrors
         trouble.append(f"{path.name} is damaged and was left out.")
         return empty
+    table = table.reindex(columns=[*table.columns, *(name for name in columns if name not in table)])
     for name in table.columns.difference(WORDS):
         values = pd.to_numeric(table[name], errors="coerce")
         table[name] = values.where(values.abs() < 1e12)

@@ -59,7 +59,7 @@ def write_report(folder: Path, file: Path | None = None) -> Path:
 
     """
     run = read_run(folder)
-    if not list((run.folder / "figures").glob("*.png")):
+    if not run.summary or not list((run.folder / "figures").glob("*.png")):
         _draw(run.folder)
     file = run.folder / "report.html" if file is None else Path(file).expanduser()
     if file.is_dir():
@@ -101,7 +101,7 @@ def read_run(folder: Path) -> RunFiles:
 
 
 def _draw(folder: Path) -> None:
-    """The figures of a run that was ended before it could draw them, where the folder can be written."""
+    """The figures of a run that goes on, or ended before it could draw them, where the folder can be written."""
     try:
         plot_run(folder)
     except OSError:
@@ -142,6 +142,7 @@ def page(run: RunFiles) -> str:
         parameters=parameter_tables(run.parameters),
         cost=cost(run),
         folder=run.folder.as_posix(),
+        again=f'"{file}"' if " " in (file := (run.folder / MADE).as_posix()) else file,
     )
 
 

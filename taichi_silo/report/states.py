@@ -19,7 +19,7 @@ FORCES = {  # key of summary.json, which extreme is the peak
 STATES = {"filling": "after filling", "maximum": "in flow, N largest", "residual": "at the end of flow"}
 LAST_ROWS = 10  # whose median stands for the end of a run that left no summary
 LEAST_SHARE = 0.01  # of the weight: a smaller N makes no angle in free outflow
-ROUND_OFF = 1e-5  # of the weight: less is nothing
+NOTHING = 1e-4  # of the weight: a smaller force is none
 BEGIN, END = 0.1, 0.5  # of the sand: between them the rate of a free outflow is taken
 
 
@@ -58,7 +58,7 @@ def forces_of(run: RunFiles) -> dict[str, Force]:
     if not summary.get("filling") and not summary.get("residual"):
         return _from_rows(run)
     filling, peaks, residual = (summary.get(key) or {} for key in ("filling", "peak", "residual"))
-    least = ROUND_OFF * (summary.get("weight_N_per_m") or 0.0)
+    least = NOTHING * (summary.get("weight_N_per_m") or 0.0)
     found = {}
     for name, (key, extreme) in FORCES.items():
         peak = peaks.get(f"{extreme}_{key}") or {}

@@ -39,7 +39,8 @@ def force_table(run: RunFiles) -> Table:
         peak = show(one.peak) if one.peak is None else f"{show(one.peak)} at u = {mm(one.peak_m, 3)}"
         rows.append((title, show(one.filled), *told, peak, show(one.residual)))
     for column in run.forces.columns:
-        if column.endswith(("_horizontal_N_per_m", "_vertical_N_per_m")):
+        sideways = run.silo.section == "plane" and column.endswith("_horizontal_N_per_m")  # round: none in sum
+        if sideways or column.endswith("_vertical_N_per_m"):
             rows.append(_of_body(run, column, len(origins)))
     return Table(tuple(head), tuple(rows), _force_note(run, theory))
 
@@ -58,6 +59,7 @@ def _theory(one: Force, theory: dict, name: str, key: str) -> str:
 def _of_body(run: RunFiles, column: str, gap: int) -> tuple[str, ...]:
     """A hopper wall's or an insert's force on the sand, to the right or upwards."""
     words = column.removesuffix("_N_per_m").replace("_", " ")
+    words = words.replace("hopper right", "hopper") if run.silo.section == "round" else words
     words = words.replace(" horizontal", ", to the right").replace(" vertical", ", upwards")
     filled = None if run.filled is None else run.filled.get(column)
     last = run.flow[column].iloc[-max(1, len(run.flow) // 20) :].mean() if len(run.flow) else None
@@ -82,7 +84,8 @@ def _force_note(run: RunFiles, theory: dict) -> str:
             " and ".join(f"{kN(one[f'{part}_force_N_per_m'])} {when}" for when, one in zip(WHEN, walker, strict=True))
             for part in ("wall", "outlet")
         )
-        words += f" Walker's theory of the hopper (kN/m): each wall carries {wall} upwards, the outlet {outlet}."
+        who = "the wall carries" if run.silo.section == "round" else "each wall carries"
+        words += f" Walker's theory of the hopper (kN/m): {who} {wall} upwards, the outlet {outlet}."
     return words
 
 
