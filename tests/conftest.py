@@ -63,3 +63,23 @@ def renew_curves(request):
 @pytest.fixture
 def data():
     return DATA
+
+
+@pytest.fixture(scope="session")
+def small_run():
+    """A function that leaves the folder of a real run of seconds: 40 points, a film of two seconds if it is wanted."""
+    from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, Walls, run
+    from taichi_silo.observers import movie
+
+    def leave(folder, film=False, walls="smooth", silo=None, **parts):
+        scene = {
+            "silo": silo or Silo(), "walls": Walls(kind=walls), "grid": Mesh(cell_size_m=0.05),
+            "flow": Flow(speed_m_per_s=0.02, displacement_m=0.01), "method": Method(filling_time_s=0.2),
+            "machine": Machine(threads=1, lanes=False),
+        }  # fmt: skip
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(movie, "FILLING_FRAMES", 10)
+            patch.setattr(movie, "FLOW_FRAMES", 50)
+            return run(Scene(**scene | parts), folder, film=film)
+
+    return leave

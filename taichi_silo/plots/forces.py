@@ -1,5 +1,7 @@
 """Forces on bottom and walls, and the wall friction angle, against the bottom displacement (Fig. 10, 11)."""
 
+import textwrap
+
 import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
@@ -76,7 +78,9 @@ def run_angle_figure(run):
     panel = figure.subplots()
     _curve(panel, run, angle, BLUE, "median", raw_label="every row")
     _reference_angle(panel, run)
-    panel.set(ylabel=ANGLE, title=f"Mobilised wall friction: {run.title}")
+    words = textwrap.fill(run.title.replace(" mm", "\u00a0mm"), 88)  # no line may begin with a unit
+    panel.set_title(f"Mobilised wall friction\n{words}", fontsize=11)
+    panel.set_ylabel(ANGLE)
     x_axis(panel, [run])
     start_at_zero([panel], "y")
     _legend_below(figure, panel, columns=2)

@@ -71,8 +71,8 @@ def test_parameters_run_again(folder):
     assert scene.walls.kind == "smooth"
     assert scene.wall_friction_angle_deg == 19.0
     place = folder.parent / "again"
-    script = SCRIPT.with_name("again.py")
-    command = [sys.executable, str(script), str(folder / "run.toml"), "--output", str(place), "--no-film"]
+    words = ["run", str(folder / "run.toml"), "--output", str(place), "--no-film"]
+    command = [sys.executable, "-m", "taichi_silo.app", *words]
     subprocess.run(command, check=True, capture_output=True, timeout=300)
     assert (place / "forces.csv").read_text() == (folder / "forces.csv").read_text()
     text = (folder / "run.toml").read_text()

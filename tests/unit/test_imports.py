@@ -28,8 +28,8 @@ LAYERS = [
     ["biaxial"],
     ["observers", "parts"],
     ["one_run", "batch", "chart", "paper", "render", "export", "gallery"],
-    ["reference", "result", "health"],
-    ["api"],
+    ["reference", "result", "health", "report"],
+    ["api", "compare"],
     ["voice", "flags", "catalogue"],
     ["cli", "scenario", "__init__"],
     ["commands"],
@@ -38,8 +38,8 @@ LAYERS = [
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ONLY_IN = {
     "matplotlib": {"plots", "observers", "biaxial"},
-    "imageio_ffmpeg": {"observers", "gallery"},
-    "jinja2": {"gallery"},
+    "imageio_ffmpeg": {"observers", "gallery", "report"},
+    "jinja2": {"gallery", "report"},
     "h5py": {"export"},
     "meshio": set(),
 }
