@@ -3,13 +3,14 @@
 import numpy as np
 
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE, read_scene
+from taichi_silo.folder import MADE
 from taichi_silo.measure.wall_pressure import cell_mean
 from taichi_silo.plots.run_files import RunFiles
 from taichi_silo.plots.wall_stress import HOPPER_CELL_M
 from taichi_silo.report.states import profile
 from taichi_silo.report.tables import Table
 from taichi_silo.report.words import NONE, kPa, mm
+from taichi_silo.scene_file import read_scene
 from taichi_silo.theory.of_scene import hopper_of, janssen_of
 
 SHARES = (0.9, 0.7, 0.5, 0.3, 0.1)  # of the hopper's height
