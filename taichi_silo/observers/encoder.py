@@ -27,11 +27,12 @@ class Encoder:
         self.partial = path.with_name(f"{path.stem}.partial{path.suffix}")
         path.parent.mkdir(parents=True, exist_ok=True)
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the encoder
+        # no frame refers to a later one (-bf 0): films can then be joined whatever their lengths are
         options = (
             f"-y -loglevel error -f rawvideo -pix_fmt rgb24 -s {size[0]}x{size[1]} -r {frames_per_second} -i - "
             "-an -vf scale=out_color_matrix=bt709:out_range=tv,format=yuv420p "
             "-colorspace bt709 -color_primaries bt709 -color_trc bt709 "
-            "-c:v libx264 -preset veryfast -crf 18 -threads 2 -movflags +faststart -f mp4"
+            "-c:v libx264 -preset veryfast -crf 18 -bf 0 -threads 2 -movflags +faststart -f mp4"
         )
         command = [imageio_ffmpeg.get_ffmpeg_exe(), *options.split(), str(self.partial)]
         # own session: Ctrl-C stops the run, not the encoder, which then still completes its file

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from taichi_silo.observers.encoder import Encoder
 from taichi_silo.observers.picture import Picture
+from taichi_silo.observers.segments import Segments
 
 FRAMES_PER_SECOND = 30
 
@@ -30,7 +31,8 @@ class Film:
         if not frames_per_second > 0:
             raise ValueError("frame rate must be positive")
         self.picture = picture
-        self._encoder = Encoder(Path(path), frames_per_second, picture.canvas.size)
+        size = picture.canvas.size
+        self.segments = Segments(Path(path), lambda piece: Encoder(piece, frames_per_second, size))
 
     def add_forces(self, *row: float) -> None:
         """Extend the force curves, as `Picture.add_forces` is told."""
@@ -38,11 +40,11 @@ class Film:
 
     def add_frame(self, position, values, **when) -> None:
         """Draw and encode one frame, as `Picture.frame` is told; RuntimeError if closed or if ffmpeg has stopped."""
-        self._encoder.write(self.picture.frame(position, values, **when))
+        self.segments.write(self.picture.frame(position, values, **when))
 
     def close(self) -> None:
         """Finish the film and give it its name; safe to call again, and after an aborted run."""
-        self._encoder.close()
+        self.segments.close()
 
     def __enter__(self) -> "Film":
         return self

@@ -23,14 +23,27 @@ class Movie(Observer):
         self.simulation, scene = simulation, simulation.scene
         settling = 10.0 * simulation.period  # an estimate; a longer rest adds no frames
         self.filling_span = simulation.filling_time + settling
-        self.drawn = {"filling": 0, "flow": 0}
+        self.drawn, self.curves = {"filling": 0, "flow": 0}, []
         self.course = course_of(scene)
         self.film = Film(self.file, picture(scene, FIELDS["void_ratio"].scaled(scene, np.zeros(0))))
+
+    def state(self) -> dict:
+        """The curves, how many frames are drawn, and the pieces of film that hold them."""
+        return {"curves": np.array(self.curves), "drawn": self.drawn, "pieces": self.film.segments.cut()}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """Draw the curves once more, and go on after the pieces."""
+        self.begin(simulation)
+        self.drawn, self.curves = kept["drawn"], kept["curves"].tolist()
+        for row in self.curves:
+            self.film.add_forces(*row)
+        self.film.segments.go_on(kept["pieces"])
 
     def observe(self, record) -> None:
         """Extend the curves, and draw when a frame is due."""
         progress = self._progress(record)
-        self.film.add_forces(progress, record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
+        self.curves.append((progress, record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m))
+        self.film.add_forces(*self.curves[-1])
         flowing = record.stage == "flow"
         frames = FLOW_FRAMES if flowing else FILLING_FRAMES
         part = progress / self.course.end if flowing else record.time_s / self.filling_span
@@ -51,5 +64,5 @@ class Movie(Observer):
         return record.displacement_m
 
     def end(self) -> None:
-        """Close the film, also a short one."""
-        self.film.close()
+        """Join the film, also a short one; its pieces stay, for a run that goes on."""
+        self.film.segments.close(keep=True)

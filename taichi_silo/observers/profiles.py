@@ -9,10 +9,12 @@ from taichi_silo.grid import MARGIN
 from taichi_silo.measure.overpressure import largest_overpressure
 from taichi_silo.observers import Observer
 from taichi_silo.placing import BOTTOM, LEFT, RIGHT
+from taichi_silo.record import packed, unpacked
 from taichi_silo.simulation import BODIES
 
 SIDES = ((LEFT, 1.0), (RIGHT, -1.0))  # and the sign that makes their normal forces positive
 BLOCK_PERIODS = 5  # of the column, whose mean makes a flow profile
+BLOCK = ("sunk", "displacement", "profile")  # what is kept of a block
 
 
 class WallProfiles(Observer):
@@ -29,6 +31,24 @@ class WallProfiles(Observer):
         self.states: dict[str, tuple[float, float, np.ndarray]] = {}  # state: how far the grid sank, u, profile
         self.block, self.largest = [], 0.0
         self.history = []  # time, displacement and profile of each block of flow
+
+    def state(self) -> dict:
+        """Finished blocks, and of the present one as many records as its mean may need."""
+        columns = enumerate(("time", *BLOCK))
+        return {
+            "largest": self.largest,
+            "states": {name: dict(zip(BLOCK, block, strict=True)) for name, block in self.states.items()},
+            "block": packed(self.block[-self.full :]),
+            "history": {name: np.array([block[k] for block in self.history]) for k, name in columns},
+        }
+
+    def restore(self, simulation, kept: dict) -> None:
+        """As it was."""
+        self.begin(simulation)
+        self.largest, self.block = kept["largest"], unpacked(kept["block"])
+        self.states = {name: tuple(block[key] for key in BLOCK) for name, block in kept["states"].items()}
+        history = [list(kept["history"][name]) for name in ("time", *BLOCK)]
+        self.history = list(zip(*history, strict=True))
 
     def observe(self, record) -> None:
         """Gather blocks of records."""

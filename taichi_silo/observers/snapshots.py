@@ -3,7 +3,7 @@
 import csv
 from pathlib import Path
 
-from taichi_silo import snapshot
+from taichi_silo import durable, snapshot
 from taichi_silo.observers import Observer
 
 TOLERANCE = 1e-9  # of a displacement, in metres
@@ -35,6 +35,20 @@ class Snapshots(Observer):
             old.unlink()
         self.rows, self.due = [], {"filling": 0, "flow": 0}
         self._write("start")
+
+    def state(self) -> dict:
+        """What is written, and what is still wanted."""
+        return {"rows": self.rows, "wanted": self.wanted, "due": self.due}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """Take out what was written later."""
+        self.simulation = simulation
+        self.rows, self.wanted, self.due = kept["rows"], kept["wanted"], kept["due"]
+        known = {row["file"] for row in self.rows}
+        for file in self.folder.glob("*.vtu"):
+            if file.name not in known:
+                file.unlink()
+        self._list()
 
     def observe(self, record) -> None:
         """Write when a displacement is reached, or a share of the filling or the flow is over."""
@@ -69,10 +83,12 @@ class Snapshots(Observer):
 
     def _write(self, name: str) -> None:
         simulation = self.simulation
-        snapshot.write(self.folder / f"{name}.vtu", simulation.points())
+        file = self.folder / f"{name}.vtu"
+        snapshot.write(file, simulation.points())
+        durable.sync(file)
         self.rows.append(
             {
-                "file": f"{name}.vtu",
+                "file": file.name,
                 "stage": simulation.stage,
                 "time_s": simulation.time,
                 "displacement_m": simulation.displacement,

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from taichi_silo import archive
 from taichi_silo.scene_file import read_scene
 
 SCRIPT = Path(__file__).parents[2] / "scenarios" / "mass_flow.py"
@@ -104,8 +105,10 @@ def test_the_film_plays_in_a_browser(folder):
 def test_figures_and_checkpoint_are_there(folder):
     names = {file.name for file in (folder / "figures").iterdir()}
     assert names == {"forces.png", "wall_friction_angle.png", "void_ratio.png", "wall_stress.png"}
-    with np.load(folder / "checkpoint.npz") as state:
-        assert {"header", "position", "velocity", "stress", "mass", "volume", "path", "grid_memory"} <= set(state.files)
+    _, kept = archive.read(folder / "checkpoint.npz")
+    simulation = kept["simulation"]
+    assert {"position", "velocity", "stress", "mass", "volume", "path", "identity"} <= simulation["points"].keys()
+    assert simulation["clock"]["finished"] and "memory" in simulation["nodes"]
     assert not [file for file in folder.rglob("*part*")]
 
 

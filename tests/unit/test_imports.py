@@ -6,8 +6,8 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
-    ["runtime", "maths", "tensors", "faults", "barrier", "processes", "vtu"],
-    ["grid", "particles", "noise", "geometry", "table", "outline", "snapshot"],
+    ["runtime", "maths", "tensors", "faults", "barrier", "processes", "vtu", "durable", "stopping"],
+    ["grid", "particles", "noise", "geometry", "table", "outline", "snapshot", "archive", "lock"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
     ["phases", "nodes", "survey"],
@@ -18,8 +18,8 @@ LAYERS = [
     ["placing", "drawing"],
     ["scene"],
     ["weaknesses", "settings", "fidelity", "column"],
-    ["filling", "ledger"],
-    ["simulation", "specimen", "sands"],
+    ["filling", "outflow", "ledger"],
+    ["simulation", "state", "specimen", "sands"],
     ["trial"],
     ["element", "scene_file", "fields", "folder", "timestep", "cost"],
     ["history"],
