@@ -6,7 +6,7 @@ import typer
 
 from taichi_silo.cli import serve
 
-COMMANDS = ("list",)  # in the order of the help
+COMMANDS = ("sweep", "list")  # in the order of the help
 
 
 def make() -> typer.Typer:

@@ -1,5 +1,8 @@
 """A typed group of parameters, and what is said when one is wrong."""
 
+import types
+import typing
+
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 
@@ -7,6 +10,15 @@ class Table(BaseModel):
     """A group of parameters: frozen, finite, and no unknown names."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def table_in(annotation) -> type[Table] | None:
+    """The table that a field holds, alone, or in a tuple, or beside None; None if it holds values."""
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        return annotation
+    if typing.get_origin(annotation) in (typing.Union, types.UnionType, tuple, list):
+        return next(filter(None, map(table_in, typing.get_args(annotation))), None)
+    return None
 
 
 def one_sentence(error: ValidationError) -> str:
@@ -22,5 +34,7 @@ def one_sentence(error: ValidationError) -> str:
     rules = [f"{words[key]} {limits[key]}" for key in words if key in limits]
     if first["type"] == "extra_forbidden":
         return f"{name} is not a parameter of a scene"
+    if first["type"] == "missing":
+        return f"{'.'.join(map(str, first['loc']))} is missing; it must be given"
     rule = f"it must {' and '.join(rules)}" if rules else message.lower()
     return f"{name} is {first['input']}; {rule}"

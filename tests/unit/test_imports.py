@@ -6,7 +6,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
-    ["runtime", "maths", "tensors", "faults", "barrier", "processes"],
+    ["runtime", "maths", "tensors", "faults", "barrier", "child", "tally", "processes", "lock"],
     ["grid", "particles", "noise", "geometry", "table"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
@@ -27,7 +27,7 @@ LAYERS = [
     ["observers", "parts"],
     ["run", "batch", "chart", "paper"],
     ["voice", "flags", "catalogue"],
-    ["cli", "scenario", "__init__"],
+    ["cli", "scenario", "sweep", "__init__"],
     ["commands"],
     ["app"],
 ]
