@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -17,6 +17,8 @@ WORDS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY)  # colours of values that
 NUMBERS = "viridis"
 BRIGHTEST = 0.88  # of that map; its yellow end is too pale for markers
 WIDE = 20.0  # ratio of the largest to the least of at least three values, from which an axis is logarithmic
+MARK, MARKS = "o", ("o", "^", "s", "D")
+DODGE = 0.5  # of the distance between two words on an axis
 MOST_PANELS, ACROSS = 9, 3
 UNITS = {
     "_m_per_s2": ("m/s²", 1.0), "_m_per_s": ("m/s", 1.0), "_kg_per_m3": ("kg/m³", 1.0), "_kg_per_m": ("kg/m", 1.0),
@@ -89,41 +91,54 @@ def _parts(column: str) -> tuple[str, str, float]:
 def _panel(figure, panel, table: pd.DataFrame, x: str, y: str, colour: str | None, others: list[str]) -> None:
     """One quantity: runs that are alike in all others are joined."""
     places, ticks = _places(table[x], _parts(x)[2])
-    answers = table[y] * _parts(y)[2]
-    shades, legend = _shades(table[colour]) if colour is not None else ([BLUE] * len(table), [])
-    if ticks is None and len(set(places)) > 1:
+    answers = table[y].to_numpy(float) * _parts(y)[2]
+    there = ~np.isnan(answers)
+    shades, handles, bar = _shades(table[colour]) if colour is not None else ([BLUE] * len(table), [], None)
+    if ticks is not None and colour is not None:  # beside each other, in the order of the colour
+        places = places + DODGE * (_ranks(table[colour]) - 0.5)
+    if ticks is None:
         groups = table.groupby(others, sort=False, dropna=False).indices.values() if others else [range(len(table))]
         for group in groups:
-            line = sorted((k for k in group if not np.isnan(answers.iloc[k])), key=lambda k: places[k])
-            if len(line) > 1:
-                alike = len({str(shades[k]) for k in line}) == 1
-                panel.plot(
-                    [places[k] for k in line], answers.iloc[line], "-", zorder=1, linewidth=1.2,
-                    color=shades[line[0]] if alike else REFERENCE, alpha=0.6,
-                )  # fmt: skip
-    there = answers.notna().to_numpy()
-    panel.scatter(
-        places[there], answers[there], s=46, color=[shades[k] for k in np.flatnonzero(there)], edgecolor="white",
-        linewidth=0.7, zorder=2,
-    )  # fmt: skip
+            _join(panel, sorted((k for k in group if there[k]), key=lambda k: places[k]), places, answers, shades)
+    marks, outlines = _marks(table, [one for one in others if one != colour])
+    for mark in dict.fromkeys(marks):
+        some = [k for k in np.flatnonzero(there) if marks[k] == mark]
+        panel.scatter(
+            places[some], answers[some], s=46, marker=mark, color=[shades[k] for k in some], edgecolor="white",
+            linewidth=0.7, zorder=2,
+        )  # fmt: skip
+    handles = [*handles, *outlines]
     panel.set(xlabel=label(x) if ticks is None else _parts(x)[0], ylabel=label(y))
     if not there.all():
         low = panel.get_xaxis_transform()
         panel.plot(places[~there], np.full((~there).sum(), 0.03), "x", color=REFERENCE, transform=low, clip_on=False)
-        legend = [*legend, Line2D([], [], marker="x", linestyle="", color=REFERENCE, label="no answer")]
+        handles = [*handles, Line2D([], [], marker="x", linestyle="", color=REFERENCE, label="no answer")]
     if ticks is not None:
         panel.set_xticks(range(len(ticks)), ticks)
         panel.set_xlim(-0.6, len(ticks) - 0.4)
     elif _wide(places):
         panel.set_xscale("log")
-    if isinstance(legend, ScalarMappable):
-        figure.colorbar(legend, ax=panel, label=label(colour), pad=0.02)
-    elif legend:
-        title = None if colour is None else label(colour) if _is_number(table[colour]) else _parts(colour)[0]
+    if bar is not None:
+        figure.colorbar(bar, ax=panel, label=label(colour), pad=0.02)
+    if handles:
         panel.legend(
-            handles=legend, title=title, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9.5,
-            title_fontsize=9.5, alignment="left", borderaxespad=0.2, columnspacing=1.0, handletextpad=0.3,
+            handles=handles, title=None if colour is None or bar is not None else _title(table[colour]), ncols=3,
+            loc="lower left", bbox_to_anchor=(0.0, 1.0), fontsize=9.5, title_fontsize=9.5, alignment="left",
+            borderaxespad=0.2, columnspacing=1.0, handletextpad=0.3,
         )  # fmt: skip
+
+
+def _join(panel, line: list[int], places: np.ndarray, answers: np.ndarray, shades: list) -> None:
+    """A line through runs, grey if they differ in colour."""
+    alike = len({str(shades[k]) for k in line}) == 1
+    color = shades[line[0]] if alike else REFERENCE
+    if len(line) > 1:
+        panel.plot(places[line], answers[line], "-", zorder=1, linewidth=1.2, color=color, alpha=0.6)
+
+
+def _title(values: pd.Series) -> str:
+    """Of a legend."""
+    return label(values.name) if _is_number(values) else _parts(values.name)[0]
 
 
 def _places(values: pd.Series, factor: float) -> tuple[np.ndarray, list[str] | None]:
@@ -135,23 +150,41 @@ def _places(values: pd.Series, factor: float) -> tuple[np.ndarray, list[str] | N
     return np.array([known.index(word) for word in words], float), known
 
 
-def _shades(values: pd.Series) -> tuple[list, list[Line2D] | ScalarMappable]:
-    """A colour for each, and what explains them."""
-    factor = _parts(str(values.name))[2]
-    if _is_number(values):
-        numbers = values.to_numpy(float) * factor
-        known = sorted(set(numbers))
-        norm = (LogNorm if _wide(numbers) else Normalize)(known[0], known[-1] if len(known) > 1 else known[0] + 1.0)
-        few = len(known) <= len(WORDS)
-        parts = {one: k / max(len(known) - 1, 1) if few else float(norm(one)) for k, one in enumerate(known)}
-        shades = [colormaps[NUMBERS](BRIGHTEST * parts[one]) for one in numbers]
-        if not few:
-            part = colormaps[NUMBERS](np.linspace(0.0, BRIGHTEST, 256))
-            return shades, ScalarMappable(norm, type(colormaps[NUMBERS]).from_list("part", part))
-        return shades, [_dot(colormaps[NUMBERS](BRIGHTEST * parts[one]), f"{one:.4g}") for one in known]
-    words = [_word(value) for value in values]
-    known = dict(zip(dict.fromkeys(words), WORDS * (1 + len(words)), strict=False))
-    return [known[word] for word in words], [_dot(shade, word) for word, shade in known.items()]
+def _shades(values: pd.Series) -> tuple[list, list[Line2D], ScalarMappable | None]:
+    """A colour for each, and what explains them: words or few numbers, or a bar."""
+    if not _is_number(values):
+        words = [_word(value) for value in values]
+        known = dict(zip(dict.fromkeys(words), WORDS * (1 + len(words)), strict=False))
+        return [known[word] for word in words], [_dot(shade, word) for word, shade in known.items()], None
+    numbers = values.to_numpy(float) * _parts(values.name)[2]
+    known, colours = sorted(set(numbers)), colormaps[NUMBERS]
+    if len(known) <= len(WORDS):
+        shades = {one: colours(BRIGHTEST * k / max(len(known) - 1, 1)) for k, one in enumerate(known)}
+        return [shades[one] for one in numbers], [_dot(shade, f"{one:.4g}") for one, shade in shades.items()], None
+    norm = (LogNorm if _wide(numbers) else Normalize)(known[0], known[-1])
+    bar = ScalarMappable(norm, ListedColormap(colours(np.linspace(0.0, BRIGHTEST, 256))))
+    return list(bar.to_rgba(numbers)), [], bar
+
+
+def _ranks(values: pd.Series) -> np.ndarray:
+    """From 0 to 1 in their order, of words in that of their first places; alone in the middle."""
+    places = _places(values, 1.0)[0]
+    known = sorted(set(places))
+    return np.array([known.index(one) / (len(known) - 1) if len(known) > 1 else 0.5 for one in places])
+
+
+def _marks(table: pd.DataFrame, columns: list[str]) -> tuple[list[str], list[Line2D]]:
+    """A marker for each row after the first column that has few values, and what explains them."""
+    for column in columns:
+        words = [_word(value) for value in table[column]]
+        known = dict(zip(dict.fromkeys(words), MARKS, strict=False))
+        if 1 < len(set(words)) <= len(MARKS):
+            name = f"{_parts(column)[0].split()[-1]} " if _is_number(table[column]) else ""
+            return [known[word] for word in words], [
+                Line2D([], [], marker=mark, linestyle="", color=REFERENCE, label=f"{name}{word}")
+                for word, mark in known.items()
+            ]
+    return [MARK] * len(table), []
 
 
 def _dot(color, words: str) -> Line2D:

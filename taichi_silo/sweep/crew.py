@@ -45,8 +45,8 @@ class Crew:
         self.client.subscribe_topic(self.sweep, self._hear)
         futures = {}
         seconds = {name: expected[name].core_seconds if name in expected else 0.0 for name in runs}
-        for name, run in sorted(runs.items(), key=lambda item: -seconds[item[0]]):  # workers begin with what comes first
-            cost = expected.get(name)
+        for name in sorted(runs, key=lambda name: -seconds[name]):  # idle workers begin with what comes first
+            run, cost = runs[name], expected.get(name)
             future = self.client.submit(
                 work, name, run.order(cost.steps if cost else 0), self.sweep, self.program, pure=False,
                 key=(self.sweep, name), retries=self.retries, priority=seconds[name],

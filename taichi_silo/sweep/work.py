@@ -6,6 +6,7 @@ Whoever leads the sweep hears how far a run is as an event of the topic `sweep`,
 import contextlib
 import json
 import os
+import threading
 import time
 from pathlib import Path
 
@@ -18,6 +19,7 @@ SAID_EVERY_S = 1.0
 STOPPED = "stopped"
 _children: dict[str, set[Child]] = {}  # of this process, by sweep
 _stopped: set[str] = set()  # sweeps
+_lock = threading.Lock()  # a run begins either before its sweep is stopped, or not at all
 
 
 class Crashed(Exception):
@@ -48,10 +50,11 @@ def work(name: str, order: str, sweep: str, program: tuple[str, ...] = PROGRAM) 
     output = Path(json.loads(order)["folder"]).parent
     if not output.is_dir():
         return f"output {output} is not there on {worker.name}; it must be on a file system that all workers share"
-    if sweep in _stopped:
-        return STOPPED
-    child = Child(program, order)
-    _children.setdefault(sweep, set()).add(child)
+    with _lock:
+        if sweep in _stopped:
+            return STOPPED
+        child = Child(program, order)
+        _children.setdefault(sweep, set()).add(child)
     try:
         worker.log_event(sweep, {"run": name, "part": 0.0, "pid": os.getpid()})
         for line in child.lines():
@@ -62,7 +65,8 @@ def work(name: str, order: str, sweep: str, program: tuple[str, ...] = PROGRAM) 
                 heard = time.monotonic()
                 worker.log_event(sweep, {"run": name, "part": done, "pid": os.getpid()})
     finally:
-        _children[sweep].discard(child)
+        with _lock:
+            _children[sweep].discard(child)
     if child.crashed:
         raise Crashed(child.trouble)
     return child.trouble
@@ -70,8 +74,9 @@ def work(name: str, order: str, sweep: str, program: tuple[str, ...] = PROGRAM) 
 
 def stop(sweep: str) -> int:
     """Ask all runs of a sweep in this process to stop, now and later; returns how many there still are."""
-    _stopped.add(sweep)
-    children = list(_children.get(sweep, ()))
+    with _lock:
+        _stopped.add(sweep)
+        children = list(_children.get(sweep, ()))
     for child in children:
         with contextlib.suppress(OSError):
             child.interrupt()
