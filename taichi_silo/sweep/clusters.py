@@ -13,6 +13,7 @@ from taichi_silo.faults import BadInput
 from taichi_silo.scene import cores
 from taichi_silo.table import Table
 
+LOST_S = 120  # within which a worker that died must be back; on a busy machine its start takes a while
 ANSWER_S = 20  # within which a scheduler must answer
 WORKER = "taichi_silo.sweep.deaf"  # what each worker of ours imports at its start
 NEEDED = "a sweep needs taichi-silo[cluster], which brings dask.distributed: pip install 'taichi-silo[cluster]'"
@@ -80,19 +81,22 @@ class Slurm(Table):
             raise BadInput("cluster is slurm; it must be another kind on this machine, which has no sbatch")
 
     def make(self, folder: Path, runs: int):
-        """Submit the jobs, of which no more are needed than the runs fill."""
-        cluster = self.prepared(folder)
-        cluster.scale(jobs=min(self.jobs, -(-runs // self.cores)))
+        """Submit the jobs, of which no more are needed than the runs fill, and others for those that end before."""
+        cluster, jobs = self.prepared(folder), min(self.jobs, -(-runs // self.cores))
+        cluster.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
         return cluster
 
     def prepared(self, folder: Path):
-        """The cluster, before any job; what the jobs say goes to `folder`/slurm."""
+        """The cluster, before any job; what the jobs say goes to `folder`/slurm.
+
+        A job is one worker, a thread of which waits for each run: only of such jobs it is noticed that they ended.
+        """
         try:
             from dask_jobqueue import SLURMCluster
         except ImportError as error:
             raise BadInput(NEEDED) from error
         return SLURMCluster(
-            cores=self.cores, processes=self.cores, memory=self.memory or f"{2 * self.cores}GB", queue=self.queue,
+            cores=self.cores, processes=1, memory=self.memory or f"{2 * self.cores}GB", queue=self.queue,
             walltime=self.walltime, account=self.account, interface=self.interface,
             job_extra_directives=list(self.job_extra), job_script_prologue=list(self.prologue),
             job_name="taichi-silo", log_directory=str(folder / "slurm"),
@@ -148,6 +152,7 @@ def client_of(cluster: Cluster, folder: Path, runs: int, retries: int) -> Iterat
     settings = {
         "distributed.scheduler.allowed-failures": retries,  # deaths of workers that a run survives
         "distributed.scheduler.worker-saturation": 1.0,  # no run waits behind another one
+        "distributed.deploy.lost-worker-timeout": LOST_S,
         "distributed.admin.system-monitor.gil.enabled": False,
     }
     with dask.config.set(settings), contextlib.ExitStack() as stack:

@@ -25,7 +25,7 @@ pytest.importorskip("distributed")
 from taichi_silo.sweep.crew import Crew  # noqa: E402 - it needs dask.distributed
 
 COARSE = {
-    "grid": {"cell_size_m": 0.05}, "flow": {"displacement_m": 0.004, "speed_m_per_s": 0.02},
+    "grid": {"cell_size_m": 0.05}, "flow": {"displacement_m": 0.01, "speed_m_per_s": 0.02},
     "walls": {"kind": "smooth"}, "machine": {"lanes": False},
 }  # fmt: skip
 # a run for those who look at the workers only: its name says what it does

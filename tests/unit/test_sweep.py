@@ -13,6 +13,7 @@ from taichi_silo import Scene
 from taichi_silo.batch.attempt import LOCK, attempt
 from taichi_silo.batch.runs import Run
 from taichi_silo.batch.table import found, row
+from taichi_silo.commands.sweep import sweep as command
 from taichi_silo.faults import BadInput
 from taichi_silo.folder import write_parameters
 from taichi_silo.lock import alone
@@ -278,6 +279,16 @@ def test_a_lock_file_that_a_killed_process_left_is_no_obstacle(tmp_path):
         pass
 
 
+def test_an_estimate_says_what_it_would_cost_and_leaves_nothing(tmp_path, capsys):
+    coarse = ("grid.cell_size_m=0.05", "flow.displacement_m=0.002,0.004", "flow.speed_m_per_s=0.05")
+    command(None, list(coarse), estimate=True, output=tmp_path / "out", json=True)
+    out, err = capsys.readouterr()
+    told = json.loads(out)
+    assert told["runs"] == 2 and set(told["missing"]) == set(told["core_seconds"])
+    assert all(seconds > 0.0 for seconds in told["core_seconds"].values())
+    assert "0 runs are there, 2 to do: about" in err and not (tmp_path / "out").exists()
+
+
 def test_a_folder_with_another_scenes_run_is_refused(tmp_path):
     left(Run(Scene(), tmp_path / "walls-smooth"), 1.0)
     with pytest.raises(BadInput, match="holds another scene's run"):
@@ -324,7 +335,7 @@ def test_a_job_of_slurm_asks_for_what_the_file_says(tmp_path):
         assert f"#SBATCH {line}" in script, script
     assert "module load python\n" in script
     assert f"{sys.executable} -m distributed.cli.dask_worker" in script
-    for word in ("--nthreads 1 ", "--nworkers 8 --nanny", "--preload taichi_silo.sweep.deaf", "--no-dashboard"):
+    for word in ("--nthreads 8 ", "--nanny", "--preload taichi_silo.sweep.deaf", "--no-dashboard"):
         assert word in script, script
     assert cluster.with_jobs(20).jobs == 3 and cluster.with_jobs(20).at_once == 24
     with Slurm().prepared(tmp_path) as slurm:
