@@ -99,7 +99,7 @@ def given() -> str:
     def watch() -> None:
         while os.read(sys.stdin.fileno(), 1):  # past Python's own buffer, which a waiting thread would lock
             pass
-        os.kill(os.getpid(), signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
 
     threading.Thread(target=watch, daemon=True).start()
     return line

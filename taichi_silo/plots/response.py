@@ -89,7 +89,7 @@ def _parts(column: str) -> tuple[str, str, float]:
 
 
 def _panel(figure, panel, table: pd.DataFrame, x: str, y: str, colour: str | None, others: list[str]) -> None:
-    """One quantity: runs that are alike in all others are joined."""
+    """One quantity: runs of a grid that are alike in all others are joined."""
     places, ticks = _places(table[x], _parts(x)[2])
     answers = table[y].to_numpy(float) * _parts(y)[2]
     there = ~np.isnan(answers)
@@ -98,7 +98,7 @@ def _panel(figure, panel, table: pd.DataFrame, x: str, y: str, colour: str | Non
         places = places + DODGE * (_ranks(table[colour]) - 0.5)
     if ticks is None:
         groups = table.groupby(others, sort=False, dropna=False).indices.values() if others else [range(len(table))]
-        for group in groups:
+        for group in groups if min(map(len, groups)) > 1 else ():  # draws are alike by chance only
             _join(panel, sorted((k for k in group if there[k]), key=lambda k: places[k]), places, answers, shades)
     marks, outlines = _marks(table, [one for one in others if one != colour])
     for mark in dict.fromkeys(marks):

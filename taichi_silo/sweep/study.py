@@ -68,7 +68,9 @@ class Study:
             self.voice.say(f"{name:60s} {cost.points:9,} points {cost.steps:12,} steps {cost.core_seconds:9.3g} core-s")
         whole, at_once = sum(seconds.values()), self.sweep.cluster.at_once
         words = f"{len(self.runs) - len(self.missing)} runs are there, {len(self.missing)} to do"
-        if at_once is None:
+        if not expected:
+            self.voice.say(words)
+        elif at_once is None:
             self.voice.say(f"{words}: about {whole / 3600.0:.3g} core-hours")
         else:
             minutes = max(whole / at_once, max(seconds.values(), default=0.0)) / 60.0

@@ -8,7 +8,8 @@ import pandas as pd
 import pytest
 
 from taichi_silo import Scene
-from taichi_silo.batch.runs import Run
+from taichi_silo.batch import runs as batch_runs
+from taichi_silo.batch.runs import Run, simulate
 from taichi_silo.batch.table import leave, row
 from taichi_silo.batch.variations import bases, differences, product, scenes, variation
 from taichi_silo.faults import BadInput
@@ -137,6 +138,24 @@ def test_a_run_is_there_if_its_scene_is_the_wanted_one_on_any_machine_and_it_fin
         other.check()
     run.check()
     Run(scene, tmp_path / "nothing").check()
+
+
+def test_whoever_wants_a_finished_run_again_gets_it_from_the_start(tmp_path, monkeypatch):
+    """A run that is finished when it is attempted would be left alone."""
+    seen = []
+
+    class Nobody:
+        def __init__(self, jobs, say):
+            pass
+
+        def run(self, tasks, heard, ended):
+            seen.extend(Run.of_order(task.line)[0] for task in tasks)
+            return {}
+
+    monkeypatch.setattr(batch_runs, "Processes", Nobody)
+    run = left(tmp_path / "run", Scene(machine={"threads": 1}))
+    simulate({"run": run}, 1)
+    assert seen == [run] and not run.finished and not (run.folder / "forces.csv").exists()
 
 
 def test_the_table_has_a_row_for_every_run_and_says_why_one_failed(tmp_path):

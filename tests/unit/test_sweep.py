@@ -369,6 +369,12 @@ def test_runs_that_are_alike_in_all_else_are_joined_and_one_without_an_answer_is
     assert response_figure(table.assign(**{PRESSURE: np.nan}), varied, Response()) is None
 
 
+def test_draws_that_are_alike_by_chance_are_not_joined():
+    table = table_of(sand__void_ratio=[0.6, 0.7, 0.8], walls__kind=["smooth", "smooth", "very-rough"])
+    figure = response_figure(table.assign(**{PRESSURE: 1e3}), ["sand.void_ratio", "walls.kind"], Response())
+    assert not figure.axes[0].get_lines()
+
+
 def test_wide_ranges_have_logarithmic_axes_and_many_colours_a_bar():
     table = table_of(flow__speed_m_per_s=np.geomspace(1e-3, 1.0, 12), sand__void_ratio=np.linspace(0.6, 0.8, 12))
     table["N_largest_N_per_m"] = 500.0
