@@ -7,7 +7,7 @@ import typer
 from taichi_silo.cli import serve
 
 COMMANDS = (
-    "run", "resume", "scene", "list", "render", "report", "compare", "export", "gallery", "drawing", "doctor",
+    "run", "resume", "scene", "list", "render", "report", "compare", "export", "gallery", "sweep", "drawing", "doctor",
 )  # in the order of the help
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
-    ["runtime", "maths", "tensors", "faults", "barrier", "processes", "vtu", "durable", "stopping"],
+    ["runtime", "maths", "tensors", "faults", "barrier", "child", "tally", "processes", "vtu", "durable", "stopping"],
     ["grid", "particles", "noise", "geometry", "table", "outline", "snapshot", "archive", "lock"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
@@ -31,7 +31,7 @@ LAYERS = [
     ["reference", "result", "health", "report"],
     ["api", "compare"],
     ["voice", "flags", "catalogue"],
-    ["cli", "scenario", "__init__"],
+    ["cli", "scenario", "sweep", "__init__"],
     ["commands"],
     ["app"],
 ]
