@@ -16,7 +16,7 @@ NAMES = {"P": "bottom force P", "T": "wall friction T", "N": "wall normal N", "a
 
 @dataclass(frozen=True)
 class Quantity:
-    """One number: name, state ("filled", "peak", "N largest", "residual" or empty), unit, value (None if unknown)."""
+    """One number: name, state ("filled", "peak", "residual" and the like, or empty), unit, value (None if unknown)."""
 
     name: str
     state: str
@@ -42,6 +42,8 @@ def quantities(run: RunFiles) -> list[Quantity]:
         value = None if largest is None else largest.stress_Pa
         found.append(Quantity("largest wall normal stress", words, "Pa", value))
     summary = run.summary
+    whole = _number(_inner(summary, "largest_wall_normal_stress_in_flow", "normal_stress_Pa"))
+    found.append(Quantity("largest wall normal stress", "whole flow", "Pa", whole))
     found += [
         Quantity("over-pressure", "", "-", _number(_inner(summary, "largest_overpressure", "factor"))),
         Quantity("stagnant share", "", "-", _number(_inner(summary, "flow_pattern", "stagnant_area_share"))),

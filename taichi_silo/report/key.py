@@ -10,7 +10,7 @@ from taichi_silo.report.states import (
     discharge_rate_kg_per_s_m,
     forces_of,
     largest_hopper_stress,
-    largest_wall_stress,
+    largest_of_all,
 )
 from taichi_silo.report.words import kN, kPa, mm, number, per_cent, plain, sentence
 
@@ -34,12 +34,13 @@ def key_numbers(run: RunFiles) -> list[Card]:
 
 
 def _stress(run: RunFiles) -> Card | None:
-    largest = largest_wall_stress(run)
+    largest = largest_of_all(run)
     if largest is None:
         return None
     foot = "outlet" if run.silo.hopper else "initial bottom" if run.silo.sinks else "floor"
+    when = STATES.get(largest.state) or f"in flow at u = {mm(largest.displacement_m, 3)}"
     words = (
-        f"{largest.wall} wall, {mm(largest.height_m, 3)} above the {foot}, {STATES[largest.state]}; as a pressure "
+        f"{largest.wall} wall, {mm(largest.height_m, 3)} above the {foot}, {when}; as a pressure "
         f"cell of {mm(CELL_M)} reads it (one node: {kPa(largest.node_Pa)} kPa)"
     )
     name = "Largest pressure, vertical walls" if run.silo.hopper else "Largest wall pressure"

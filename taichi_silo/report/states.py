@@ -19,6 +19,7 @@ FORCES = {  # key of summary.json, which extreme is the peak
 STATES = {"filling": "after filling", "maximum": "in flow, N largest", "residual": "at the end of flow"}
 LAST_ROWS = 10  # whose median stands for the end of a run that left no summary
 LEAST_SHARE = 0.01  # of the weight: a smaller N makes no angle in free outflow
+SAME = 1e-4  # relative: walls.csv has six digits
 NOTHING = 1e-4  # of the weight: a smaller force is none
 BEGIN, END = 0.1, 0.5  # of the sand: between them the rate of a free outflow is taken
 
@@ -43,13 +44,17 @@ class Force:
 
 @dataclass(frozen=True)
 class Largest:
-    """The largest normal stress on the vertical walls, away from the corner, as a pressure cell reads it [Pa]."""
+    """The largest normal stress on the vertical walls, away from the corner, as a pressure cell reads it [Pa].
+
+    `displacement_m` is that of the flow where it was found in the course of it, else None.
+    """
 
     stress_Pa: float
     wall: str
     height_m: float
     state: str
     node_Pa: float
+    displacement_m: float | None = None
 
 
 def forces_of(run: RunFiles) -> dict[str, Force]:
@@ -105,6 +110,15 @@ def largest_wall_stress(run: RunFiles, states=tuple(STATES)) -> Largest | None:
             if best is None or cell[k] > best.stress_Pa:
                 best = Largest(float(cell[k]), wall, float(height[k]), state, node)
     return best
+
+
+def largest_of_all(run: RunFiles) -> Largest | None:
+    """The largest of the three states and of the whole flow, of which the run keeps its greatest moment."""
+    known, found = largest_wall_stress(run), run.summary.get("largest_wall_normal_stress_in_flow")
+    if not found or (known is not None and known.stress_Pa >= found["normal_stress_Pa"] * (1.0 - SAME)):
+        return known
+    place = (found["wall"], found["height_m"], "flow", found["node_Pa"], found["displacement_m"])
+    return Largest(found["normal_stress_Pa"], *place)
 
 
 def largest_hopper_stress(run: RunFiles, states=tuple(STATES)) -> Largest | None:

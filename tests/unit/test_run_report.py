@@ -109,6 +109,22 @@ def test_key_numbers_are_those_of_the_summary(run):
     assert f"taichi-silo run {run.as_posix()}/run.toml" in words
 
 
+def test_the_largest_pressure_is_that_of_the_whole_flow(run, copy):
+    summary = json.loads((run / "summary.json").read_text())
+    found, states = summary["largest_wall_normal_stress_in_flow"], summary["largest_wall_normal_stress_Pa"]
+    assert found["normal_stress_Pa"] >= (1.0 - 1e-4) * max(
+        states[name]["pressure_cell"] for name in ("maximum", "residual")
+    )
+    assert 0.0 < found["height_m"] < 0.5
+    assert 0.0 < found["displacement_m"] <= 0.01
+    changed_summary(
+        copy, largest_wall_normal_stress_in_flow=found | {"normal_stress_Pa": 9876.0, "displacement_m": 0.003}
+    )
+    first = key_numbers(RunFiles.read(copy))[0]
+    assert (first.name, first.value) == ("Largest wall pressure", "9.88")
+    assert "in flow at u = 3 mm" in first.words
+
+
 def test_every_parameter_stands_with_its_unit(run):
     found, tables = outline(run).words, RunFiles.read(run).parameters
     rows = {f"{title}.{row.name}": row for title, rows in parameter_tables(tables) for row in rows}
