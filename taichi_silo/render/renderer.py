@@ -95,7 +95,8 @@ def film(
                 drawn.add_frame(**renderer.frame(moment))
         passing.replace(file)
     finally:
-        passing.unlink(missing_ok=True)
+        for left in (passing, passing.with_name(f"{passing.stem}.partial{passing.suffix}")):
+            left.unlink(missing_ok=True)
     return renderer
 
 
