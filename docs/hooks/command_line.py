@@ -10,18 +10,6 @@ from dataclasses import dataclass
 
 import typer
 
-HEAD = """# Commands
-
-`taichi-silo COMMAND --help` says the same on the screen. Every command ends with an [exit code](exit-codes.md) and, where something is wrong, one
-sentence; with `--json` it prints one JSON object and nothing else.
-
-"""
-SCENARIOS = """# Scenarios
-
-A scenario is an experiment with flags of its own: `taichi-silo run NAME` followed by them. `taichi-silo list` names all. A scenario that is not enough becomes
-a [scene file](scene.md) of your own: the `run.toml` that each run leaves is one.
-
-"""
 KINDS = {"str": "text", "Path": "path", "float": "number", "int": "whole number", "bool": ""}
 CALL = re.compile(r"taichi-silo [^\n]*?(?=,\s*taichi-silo |$)")
 
@@ -59,7 +47,7 @@ def commands() -> str:
         module = importlib.import_module(f"taichi_silo.commands.{name}")
         function = getattr(module, "command", None) or getattr(module, name)
         found.append(section(f"taichi-silo {name}", scene_file if name == "run" else function))
-    return HEAD + "\n".join(found)
+    return "\n".join(found)
 
 
 def scenarios() -> str:
@@ -70,13 +58,12 @@ def scenarios() -> str:
 
     functions = {name: of_scenario(catalogue.script(name)) for name in catalogue.scenarios()}
     shared = set(GROUPS[Controlled].flags)
-    pages = [SCENARIOS, "## Shared flags\n", "Of every scenario that runs one silo; those of controlled flow, `--speed` and",
-             "`--displacement`, are missing where sand falls freely.\n",
-             table([flag for flag in flags_of(functions["mass_flow"]) if flag.name in shared])]  # fmt: skip
+    found = [table([flag for flag in flags_of(functions["mass_flow"]) if flag.name in shared])]
     for name, function in functions.items():
         kinds = {parameter.annotation for parameter in inspect.signature(function).parameters.values()}
-        pages.append(section(name, function, f"taichi-silo run {name}", shared if kinds & {Controlled, Free} else set()))
-    return "\n".join(pages)
+        hidden = shared if kinds & {Controlled, Free} else frozenset()
+        found.append(section(name, function, f"taichi-silo run {name}", hidden))
+    return "\n".join(found)
 
 
 def of_scenario(file):
@@ -108,7 +95,7 @@ def flags_of(function) -> list[Flag]:
             infos = [note for note in notes if isinstance(note, (typer.models.OptionInfo, typer.models.ArgumentInfo))]
             info = infos[-1] if infos else None
         argument = isinstance(info, typer.models.ArgumentInfo)
-        given = (getattr(info, "default", None), *(getattr(info, "param_decls", None) or ()))  # the first name comes first
+        given = (getattr(info, "default", None), *(getattr(info, "param_decls", None) or ()))  # names, if any
         names = [one for one in given if isinstance(one, str) and one.startswith("-")] or [usual(name, kind)]
         words = (info.metavar or name.upper()) if argument else ", ".join(names).replace("/", ", ")
         help = " ".join((getattr(info, "help", None) or "").split())

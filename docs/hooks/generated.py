@@ -1,4 +1,4 @@
-"""Pages of reference that are made from the program itself: scene files, command line, scenarios, sands, Python names."""
+"""Parts of the reference that are made from the program itself: they stand where a page has the mark."""
 
 import json
 import sys
@@ -9,6 +9,8 @@ import python_names
 from mkdocs.structure.files import File
 
 ROOT = str(Path(__file__).parents[2])
+MARK = "<!-- made from the program -->"
+SCHEMA = "reference/scene.schema.json"
 
 
 def on_config(config, **_):
@@ -19,60 +21,36 @@ def on_config(config, **_):
 
 
 def on_files(files, config, **_):
-    """The pages, and the schema that editors read."""
-    from taichi_silo import reference, sands
+    """The schema that editors read."""
     from taichi_silo.scene import Scene
 
-    pages = {
-        "reference/scene.md": SCENE + reference.markdown(),
-        "reference/scene.schema.json": json.dumps(Scene.model_json_schema(), indent=2, ensure_ascii=False) + "\n",
-        "reference/commands.md": command_line.commands(),
-        "reference/scenarios.md": command_line.scenarios(),
-        "reference/sands.md": SANDS + published(sands.published()),
-        "reference/python.md": python_names.page(),
-    }
-    for name, content in pages.items():
-        files.append(File.generated(config, name, content=content))
+    schema = json.dumps(Scene.model_json_schema(), indent=2, ensure_ascii=False)
+    files.append(File.generated(config, SCHEMA, content=f"{schema}\n"))
     return files
 
 
-SCENE = """# Scene file
-
-A scene is a TOML file. What it leaves out takes the defaults below, so a file may be as short as one line. `taichi-silo scene` prints a
-file with every value; `taichi-silo run FILE --check` says whether a file is possible. Impossible values and unknown names are refused in one
-sentence before any work.
-
-```toml title="silo.toml"
-[sand]
-name = "hostun"      # all constants of a published sand
-void_ratio = 0.70
-
-[walls]
-kind = "smooth"
-```
-
-Editors that know JSON schemas complete and check the file with [scene.schema.json](scene.schema.json). All units are SI and stand in the names.
-The `run.toml` that a run leaves is a scene file too; its table `program`, which says what computed the run, is passed over.
-
-"""
-
-SANDS = """# Published sands
-
-`--sand NAME`, or in a scene file `name` in the table `sand`, stands for one of these. "Read in" says where the numbers were read: where that is not
-the original print, check them against it before you rely on them. All but `karlsruhe` were determined for von Wolffersdorff's version of the law. In
-triaxial compression both versions have the same limit states, and their rates differ by the factor 3 tr(T̂T̂) only (1 in isotropic states, 1.32 at
-φ_c = 30°); away from it they differ more.
-
-How to give a sand of your own: [Your own sand](../how-to/sand.md).
-
-"""
+def on_page_markdown(markdown: str, page, **_) -> str:
+    """A page with what belongs to its mark."""
+    if MARK not in markdown:
+        return markdown
+    return markdown.replace(MARK, PARTS[Path(page.file.src_uri).stem]())
 
 
-def published(sands: dict[str, dict]) -> str:
-    """Their constants, and where they come from."""
+def scene() -> str:
+    """Every value of a scene file."""
+    from taichi_silo import reference
+
+    return reference.markdown()
+
+
+def sands() -> str:
+    """Constants of the published sands, and where they come from."""
+    from taichi_silo.sands import published
+
+    known = published()
     heads = ("name", "φ_c", "h_s, MPa", "n", "α", "β", "e_d0", "e_c0", "e_i0", "grains, kg/m³", "d50, mm")
     rows = [heads, ("---",) * len(heads)]
-    for name, sand in sands.items():
+    for name, sand in known.items():
         rows.append((
             f"`{name}`", f"{sand['critical_friction_angle_deg']:g}°", f"{1e-6 * sand['granular_hardness_Pa']:g}",
             *(f"{sand[key]:g}" for key in ("n", "alpha", "beta")),
@@ -80,5 +58,11 @@ def published(sands: dict[str, dict]) -> str:
             f"{sand['grain_density_kg_per_m3']:g}", f"{1e3 * sand['d50_m']:g}",
         ))  # fmt: skip
     notes = [("name", "title", "source", "read in"), ("---",) * 4]
-    notes += [(f"`{name}`", sand["title"], sand["source"], sand["read_in"]) for name, sand in sands.items()]
-    return "\n\n".join("\n".join(f"| {' | '.join(row)} |" for row in part) for part in (rows, notes)) + "\n"
+    notes += [(f"`{name}`", sand["title"], sand["source"], sand["read_in"]) for name, sand in known.items()]
+    return "\n\n".join("\n".join(f"| {' | '.join(row)} |" for row in part) for part in (rows, notes))
+
+
+PARTS = {
+    "scene": scene, "sands": sands, "commands": command_line.commands, "scenarios": command_line.scenarios,
+    "python": python_names.names,
+}  # fmt: skip

@@ -8,8 +8,17 @@ from latex2mathml.converter import convert
 
 INLINE = re.compile(r'<span class="arithmatex">\\\((.+?)\\\)</span>', re.DOTALL)
 BLOCK = re.compile(r'<div class="arithmatex">\s*\\\[(.+?)\\\]\s*</div>', re.DOTALL)
-BOLD = re.compile(r'<mi mathvariant="bold-italic">(.)</mi>')  # browsers pass over the attribute
-STYLE = "MATHEMATICAL BOLD ITALIC"
+VARIANT = re.compile(r'<mi mathvariant="(bold-italic|script|double-struck)">(.)</mi>')  # browsers pass over these
+LETTERS = {  # names of the characters that they are instead
+    "bold-italic": "MATHEMATICAL BOLD ITALIC {size} {letter}",
+    "script": "SCRIPT {size} {letter}",
+    "double-struck": "DOUBLE-STRUCK {size} {letter}",
+}
+SIGNS = {  # norms that do not grow, accents that sit on their letter
+    "<mo>&#x02016;</mo>": '<mo stretchy="false">&#x02016;</mo>',
+    "<mo>&#x0005E;</mo>": '<mo stretchy="false">&#x002C6;</mo>',
+    "&#x000AF;</mo>": "&#x0203E;</mo>",
+}
 
 
 def on_page_content(content: str, **_) -> str:
@@ -19,11 +28,15 @@ def on_page_content(content: str, **_) -> str:
 
 
 def mathml(latex: str, display: str) -> str:
-    """One equation; bold letters are characters of their own."""
-    return BOLD.sub(lambda found: f"<mi>{bold(found[1])}</mi>", convert(html.unescape(latex).strip(), display=display))
+    """One equation."""
+    found = convert(html.unescape(latex).strip(), display=display)
+    for sign, better in SIGNS.items():
+        found = found.replace(sign, better)
+    return VARIANT.sub(lambda letter: f"<mi>{letter_of(*letter.groups())}</mi>", found)
 
 
-def bold(letter: str) -> str:
-    """The bold italic one of a Latin or Greek letter."""
+def letter_of(variant: str, letter: str) -> str:
+    """A Latin or Greek letter in another style."""
     size = "CAPITAL" if letter.isupper() else "SMALL"
-    return unicodedata.lookup(f"{STYLE} {size} {unicodedata.name(letter).rpartition(' ')[2]}")
+    plain = unicodedata.name(letter).rpartition(" ")[2]
+    return unicodedata.lookup(LETTERS[variant].format(size=size, letter=plain))

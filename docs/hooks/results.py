@@ -106,7 +106,8 @@ def figure(name: str, caption: str) -> str:
     if not (GALLERY / name).exists():
         raise ValueError(f"outputs/gallery has no {name}")
     words = html.escape(re.sub(r"[*`_$]", "", caption), quote=True)
-    return f'<figure markdown="span">\n![{words}](../gallery/{name}){{ loading=lazy }}\n<figcaption>{caption}</figcaption>\n</figure>'
+    picture = f"![{words}](../gallery/{name}){{ loading=lazy }}"
+    return f'<figure markdown="span">\n{picture}\n<figcaption>{caption}</figcaption>\n</figure>'
 
 
 def statements() -> str:
