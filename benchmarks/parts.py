@@ -166,7 +166,7 @@ def parts(
     rows = [r for walls in ("smooth", "very-rough") for r in measure(walls, cell_size, displacement)]
     folder = Path("outputs") / "bench"
     folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / "parts.csv", "w", newline="") as stream:
+    with open(folder / "parts.csv", "w", encoding="utf-8", newline="") as stream:
         writer = csv.DictWriter(stream, COLUMNS)
         writer.writeheader()
         writer.writerows(rows)

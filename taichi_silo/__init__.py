@@ -14,9 +14,9 @@ import os
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")  # a run prints only its own lines
 
 HOME = {  # of the public names; each is imported when it is first used, which keeps the program's start short
-    "faults": ("BadInput", "RunFailed"),
+    "faults": ("BadInput", "RunFailed", "Stopped"),
     "record": ("Record",),
-    "api": ("named_sand", "read_scene", "run"),
+    "api": ("named_sand", "read_scene", "resume", "run"),
     "result": ("Result",),
     "scene": ("Averaging", "Filling", "Flow", "Machine", "Mesh", "Method", "Output", "Scene", "Walls"),
     "sand": ("IntergranularStrain", "Sand"),

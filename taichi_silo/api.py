@@ -11,7 +11,7 @@ from taichi_silo.sands import sand as named_sand
 from taichi_silo.scene import Scene
 from taichi_silo.scene_file import read_scene
 
-__all__ = ["named_sand", "read_scene", "run"]
+__all__ = ["named_sand", "read_scene", "resume", "run"]
 
 
 def run(
@@ -44,8 +44,44 @@ def run(
         before any work, if the folder or the processor cannot be used.
     RunFailed
         if the run went wrong; the folder then holds everything up to that time.
+    Stopped
+        if Ctrl-C or the signal to end asked for it; `resume` goes on from there.
 
     """
     where = Path(folder) if folder is not None else free_name(Path("outputs") / "run")
     lines = (ProgressLine(),) if progress else ()
     return Result(one_run.run(scene, where, overwrite=overwrite, film=film, extra=(*extra, *lines)))
+
+
+def resume(
+    folder: str | os.PathLike,
+    *,
+    threads: int | None = None,
+    film: bool | None = None,
+    progress: bool = True,
+    extra: tuple = (),
+) -> Result:
+    """Go on with a run that was left, however it ended; one that is finished stays as it is.
+
+    Parameters
+    ----------
+    folder : of the run.
+    threads : CPU threads; as many as before if not given.
+    film : False draws no more of it; True or None go on with the film that was begun.
+    progress : say from where the run goes on, and how far it is.
+    extra : further observers; each takes up what one of its kind kept.
+
+    Returns
+    -------
+    What it left.
+
+    Raises
+    ------
+    BadInput
+        before any work, if there is nothing to go on from.
+    RunFailed, Stopped
+        as `run`.
+
+    """
+    lines = (ProgressLine(),) if progress else ()
+    return Result(one_run.resume(Path(folder), threads=threads, film=film, extra=(*extra, *lines)))

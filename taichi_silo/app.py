@@ -6,7 +6,9 @@ import typer
 
 from taichi_silo.cli import serve
 
-COMMANDS = ("run", "scene", "list", "doctor")  # in the order of the help
+COMMANDS = (
+    "run", "resume", "scene", "list", "render", "report", "compare", "export", "gallery", "sweep", "drawing", "doctor",
+)  # in the order of the help
 
 
 def make() -> typer.Typer:

@@ -109,6 +109,7 @@ class NonLocal:
         self.radius = kernel.CUT * kernel.length_m
         self.allowed = tolerance * kernel.length_m
         self.builds, self.loads = 0, -1
+        self.origin = {}  # places and volumes of the points that the rows were built from
         count = particles.count
         self.pairs_most = most_pairs(kernel, spacing_m, count)
         self.start = ti.field(ti.i32, shape=count + 2)  # one row more than points, always empty
@@ -192,9 +193,11 @@ class NonLocal:
             if points have come so close that the pairs exceed their room.
 
         """
-        place = self.particles.position.to_numpy()[: self.particles.active[None]]
+        active = self.particles.active[None]
+        place = self.particles.position.to_numpy()[:active]
         if not np.isfinite(place).all():
             return  # the guard will stop the run
+        self.origin = {"position": place, "volume": self.particles.volume.to_numpy()[:active]}
         low = place.min(axis=0)
         extent = np.ptp(place, axis=0) + self.radius
         width = max(self.radius, math.sqrt(float(extent.prod()) / MOST_BINS), float(extent.max()) / MOST_BINS)

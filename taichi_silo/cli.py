@@ -1,5 +1,6 @@
 """A command line that says in one sentence what is wrong: of a scenario script, and of the program."""
 
+import functools
 import json
 import sys
 from collections.abc import Callable
@@ -11,7 +12,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from taichi_silo.faults import BadInput, RunFailed
+from taichi_silo.faults import BadInput, RunFailed, Stopped
 from taichi_silo.table import one_sentence
 from taichi_silo.voice import Voice
 
@@ -33,6 +34,8 @@ def command(function: Callable) -> None:
 
 def serve(app: typer.Typer, name: str) -> None:
     """Run an app of a name; it ends the process with the exit code, after one sentence if something is wrong."""
+    for one in app.registered_commands:
+        one.callback = _stopping(one.callback)
     try:
         code = app(standalone_mode=False, prog_name=name) or 0
         if code == STOPPED:  # typer's own answer to Ctrl-C
@@ -52,6 +55,19 @@ def serve(app: typer.Typer, name: str) -> None:
         _stop(f"the run went wrong {error}; everything up to then is kept", FAILED)
     except KeyboardInterrupt:
         _stop("stopped; everything up to then is kept", STOPPED)
+
+
+def _stopping(function: Callable) -> Callable:
+    """The function; if it was stopped, it says so before typer makes nameless what has stopped it."""
+
+    @functools.wraps(function)
+    def call(*args, **kwargs):
+        try:
+            return function(*args, **kwargs)
+        except Stopped as stop:
+            _stop(str(stop), stop.code)
+
+    return call
 
 
 def _bad_flag(error: typer.BadParameter) -> str:

@@ -1,4 +1,4 @@
-"""The two ways in which a run says no."""
+"""The ways in which a run says no, or that it was told to stop."""
 
 
 class BadInput(ValueError):
@@ -7,3 +7,17 @@ class BadInput(ValueError):
 
 class RunFailed(RuntimeError):
     """The run went wrong; everything up to then is kept."""
+
+
+class Stopped(KeyboardInterrupt):
+    """Somebody asked the run to stop, by Ctrl-C or a signal; it did so between two intervals, and can go on from there.
+
+    Attributes
+    ----------
+    code : exit code of the process, 128 and the signal's number.
+
+    """
+
+    def __init__(self, sentence: str, code: int):
+        super().__init__(sentence)
+        self.code = code

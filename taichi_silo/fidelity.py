@@ -39,7 +39,8 @@ class Fidelity(Table):
 
 def fidelities(file: Path = FILE) -> dict[str, Fidelity]:
     """All of a file, by name."""
-    return {name: Fidelity.model_validate(table) for name, table in tomllib.loads(file.read_text()).items()}
+    tables = tomllib.loads(file.read_text(encoding="utf-8"))
+    return {name: Fidelity.model_validate(table) for name, table in tables.items()}
 
 
 def fidelity(name: str) -> Fidelity:

@@ -1,10 +1,11 @@
 """How the sand gets into the silo: its weight grows, or it comes in layers, or as rain.
 
 Each way is a generator of records over a simulation; `fill` ends with a rest until the wall force no longer changes.
+What a way knows at a record is in the simulation's `Progress`, so it can be left there and entered again.
 """
 
 import math
-from collections import deque
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,6 +19,23 @@ SECOND_STEP = 0.5  # of what the weight alone would allow: the first swing overs
 LANDING = 0.4  # of the stable step while rain falls: what lands is stiff at once
 LAYER_PERIODS = 1.0  # of the whole column, between two layers
 RISE_PERIODS = 60.0  # of the whole column, that rain takes
+
+
+@dataclass
+class Progress:
+    """How far a filling has come.
+
+    Attributes
+    ----------
+    intervals : that the way of filling has taken.
+    rest : intervals since then.
+    forces : N at the end of the last of these, over two periods at most [N/m].
+
+    """
+
+    intervals: int = 0
+    rest: int = 0
+    forces: list[float] = field(default_factory=list)
 
 
 def duration(scene, period: float) -> float:
@@ -35,9 +53,11 @@ def fall_time(scene) -> float:
 
 
 def fill(simulation):
-    """Fill and settle; yields a Record after each interval."""
+    """Fill and settle, from where the simulation is on; yields a Record after each interval."""
     way = {"gravity-ramp": gravity_ramp, "layers": layers, "rain": rain}[simulation.scene.filling.kind]
-    yield from way(simulation)
+    for record in way(simulation, simulation.filling.intervals):
+        simulation.filling.intervals += 1
+        yield record
     yield from settle(simulation)
 
 
@@ -47,12 +67,12 @@ def first_step(simulation, stress_Pa: float) -> float:
     return min(FIRST_STEP, 0.5 * growth)
 
 
-def gravity_ramp(simulation):
+def gravity_ramp(simulation, begun: int):
     """All sand is there; its weight grows linearly."""
     g, whole = simulation.gravity, duration(simulation.scene, simulation.period)
     count = math.ceil(whole / simulation.interval)
     weight = simulation.density * simulation.scene.silo.height_m
-    for number in range(count):
+    for number in range(begun, count):
         low, high = g * number / count, g * (number + 1) / count
         # while the weight grows so does the wave speed: stiffness goes with a power of the stress, the law's degree
         growth = (low / high) ** (0.5 * simulation.law.degree) if number else first_step(simulation, weight * high)
@@ -60,57 +80,68 @@ def gravity_ramp(simulation):
         yield simulation.advance(whole / count, (low, high), growth=growth)
 
 
-def layers(simulation):
+def layers(simulation, begun: int):
     """One layer after the other, without stress at first, each with its whole weight at once."""
     height = simulation.fill_state["position"][:, 1]
     count = simulation.scene.filling.layers
     number = np.minimum((height / (height.max() + 1e-9) * count).astype(int), count - 1)
     number = np.unique(number, return_inverse=True)[1]  # no layer is empty
     pause = LAYER_PERIODS * simulation.period
-    yield from _portions(simulation, number, pause, 0.0)
+    yield from _portions(simulation, begun, number, pause, 0.0)
 
 
-def rain(simulation):
+def rain(simulation, begun: int):
     """Row after row falls from a height onto the sand that is there."""
     height = simulation.fill_state["position"][:, 1]
     rows = np.unique(np.round(height / simulation.spacing, 6))
     number = np.searchsorted(rows, np.round(height / simulation.spacing, 6))
     drop = simulation.scene.filling.drop_m
-    yield from _portions(simulation, number, RISE_PERIODS * simulation.period / len(rows), drop)
-    for _ in range(math.ceil(fall_time(simulation.scene) / simulation.interval)):
+    pause = RISE_PERIODS * simulation.period / len(rows)
+    yield from _portions(simulation, begun, number, pause, drop)
+    falling = simulation.filling.intervals - len(rows) * _intervals(simulation, pause)  # since the last row began to
+    for _ in range(falling, math.ceil(fall_time(simulation.scene) / simulation.interval)):
         yield simulation.advance(simulation.interval, growth=LANDING)
 
 
-def _portions(simulation, number: np.ndarray, pause: float, above: float):
+def _intervals(simulation, pause: float) -> int:
+    """Between two portions."""
+    return max(1, math.ceil(pause / simulation.interval - 1e-9))
+
+
+def _portions(simulation, begun: int, number: np.ndarray, pause: float, above: float):
     """The portions of the fill, numbered by point, one after the other, so far above their place [m]."""
-    particles, fill_state = simulation.particles, simulation.fill_state
     thick = simulation.density * simulation.gravity * (above + simulation.scene.silo.height_m / (1.0 + number.max()))
-    intervals = max(1, math.ceil(pause / simulation.interval - 1e-9))
-    for portion in range(int(number.max()) + 1):
-        new = {name: values[number == portion] for name, values in fill_state.items()}
-        new["position"] = new["position"] + (0.0, above)
-        there = particles.arrays() if portion else {name: values[:0] for name, values in fill_state.items()}
-        if "affine" in there:
-            new["affine"] = np.zeros((len(new["mass"]), 4))
-        load(particles, {name: np.concatenate([there[name], new[name]]) for name in there})
-        old = simulation.identity if portion else simulation.identity[:0]
-        simulation.identity = np.concatenate([old, np.flatnonzero(number == portion)])
-        for part in range(intervals):
-            growth = LANDING if above else 1.0
-            if portion + part == 0:
-                growth = min(growth, first_step(simulation, 2.0 * thick))
-            yield simulation.advance(pause / intervals, growth=growth)
+    intervals = _intervals(simulation, pause)
+    for interval in range(begun, (1 + int(number.max())) * intervals):
+        portion, part = divmod(interval, intervals)
+        if part == 0:
+            _pour(simulation, np.flatnonzero(number == portion), above)
+        growth = LANDING if above else 1.0
+        if interval == 0:
+            growth = min(growth, first_step(simulation, 2.0 * thick))
+        yield simulation.advance(pause / intervals, growth=growth)
+
+
+def _pour(simulation, chosen: np.ndarray, above: float) -> None:
+    """Points of the fill, chosen by their numbers, so far above their place [m], onto what is there."""
+    particles, fill_state = simulation.particles, simulation.fill_state
+    new = {name: values[chosen] for name, values in fill_state.items()}
+    new["position"] = new["position"] + (0.0, above)
+    first = simulation.filling.intervals == 0  # until then the whole fill is loaded
+    there = {name: values[:0] for name, values in fill_state.items()} if first else particles.arrays()
+    if "affine" in there:
+        new["affine"] = np.zeros((len(new["mass"]), 4))
+    load(particles, {name: np.concatenate([there[name], new[name]]) for name in there})
+    simulation.identity = np.concatenate([simulation.identity[: len(there["mass"])], chosen])
 
 
 def settle(simulation):
     """Rest until the wall force no longer changes."""
-    recent = deque(maxlen=2 * simulation.rows_per_period)
+    done, span = simulation.filling, 2 * simulation.rows_per_period
     longest = max(simulation.scene.method.longest_settling_s, LONGEST_SETTLING_PERIODS * simulation.period)
-    for _ in range(math.ceil(longest / simulation.interval)):
+    while done.rest < math.ceil(longest / simulation.interval) and not simulation.settled:
         record = simulation.advance(simulation.interval)
-        recent.append(record.normal_N_per_m)
+        done.rest, done.forces = done.rest + 1, [*done.forces, float(record.normal_N_per_m)][-span:]
+        still = max(done.forces) - min(done.forces) < SETTLED * max(done.forces)
+        simulation.settled = bool(still and len(done.forces) == span)
         yield record
-        still = max(recent) - min(recent) < SETTLED * max(recent)
-        simulation.settled = bool(still and len(recent) == recent.maxlen)
-        if simulation.settled:
-            break

@@ -2,20 +2,24 @@
 
 import platform
 import subprocess
+import tomllib
 from importlib.metadata import version
 from pathlib import Path
 
 import tomli_w
 
+from taichi_silo import durable
 from taichi_silo.faults import BadInput
+from taichi_silo.fields import FIELDS
 from taichi_silo.scene import Scene
 from taichi_silo.symmetry import half_model
 
 MADE = "run.toml"  # its presence says that the folder holds a run
 PRODUCTS = (
-    MADE, "summary.json", "forces.csv", "balance.csv", "walls.csv", "void_ratio.mp4", "void_ratio.partial.mp4",
-    "checkpoint.npz", "curve.csv", "points.npz", "points.vtu", "scene.json",
-    "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv", "snapshots/silo.pvd",
+    MADE, "summary.json", "forces.csv", "balance.csv", "walls.csv", "checkpoint*.npz", "curve.csv", "points.npz",
+    "points.vtu", "scene.json", "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv", "snapshots/silo.pvd",
+    *(f"{field}{ending}" for field in FIELDS for ending in (".mp4", ".*.mp4", "_*.png")),  # films and pictures
+    "silo.vtkhdf", "csv/*.csv", "report.html",
 )  # fmt: skip
 
 
@@ -44,8 +48,8 @@ def writable(folder: Path) -> Path:
     return folder
 
 
-def claim(folder: Path, overwrite: bool = False) -> Path:
-    """The folder, made, proved writable, and free of an earlier run.
+def free(folder: Path, overwrite: bool = False) -> Path:
+    """The folder, made and proved writable.
 
     Raises
     ------
@@ -56,6 +60,19 @@ def claim(folder: Path, overwrite: bool = False) -> Path:
     folder = writable(folder)
     if (folder / MADE).exists() and not overwrite:
         raise BadInput(f"output {folder} holds a run already; give another folder, or --overwrite to replace it")
+    return folder
+
+
+def claim(folder: Path, overwrite: bool = False) -> Path:
+    """The folder, made, proved writable, and free of an earlier run.
+
+    Raises
+    ------
+    BadInput
+        if it cannot be written, or holds a run and `overwrite` is false.
+
+    """
+    folder = free(folder, overwrite)
     try:
         for pattern in PRODUCTS:
             for old in folder.glob(pattern):
@@ -63,6 +80,15 @@ def claim(folder: Path, overwrite: bool = False) -> Path:
     except OSError as error:
         raise BadInput(f"output {folder} cannot be written: {error.strerror or error}") from error
     return folder
+
+
+def finished(folder: Path) -> bool:
+    """Whether a run has come to its end there, and all its files are made."""
+    try:
+        program = tomllib.loads((folder / MADE).read_text(encoding="utf-8"))["program"]
+    except (OSError, KeyError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return False
+    return program.get("finished", False)
 
 
 def free_name(folder: Path) -> Path:
@@ -74,6 +100,9 @@ def free_name(folder: Path) -> Path:
 
 
 def _revision() -> str:
+    """Of the checkout that this is; an installed package may lie in one of something else."""
+    if not (Path(__file__).parents[1] / ".git").exists():
+        return "released"
     try:
         answer = subprocess.run(
             ["git", "describe", "--always", "--dirty"],
@@ -92,6 +121,7 @@ def parameters(scene: Scene) -> dict:
     tables["sand"]["law"] = scene.sand.law_for(scene.flow.turns_back)
     tables["silo"]["half"] = "yes" if half_model(scene)[0] else "no"
     tables["averaging"]["characteristic_length_m"] = scene.averaging.length_m(scene.sand)
+    tables["output"]["snapshots"] = scene.snapshots
     return tables
 
 
@@ -101,7 +131,7 @@ def write_parameters(folder: Path, scene: Scene, program: dict) -> None:
 
 
 def write_tables(folder: Path, tables: dict, program: dict) -> None:
-    """Write run.toml, with what computed it; in one piece or not at all."""
+    """Write run.toml, with what computed it; in one piece or not at all, and on the disk."""
     tables["program"] = {
         "taichi_silo": version("taichi-silo"),
         "revision": _revision(),
@@ -112,4 +142,4 @@ def write_tables(folder: Path, tables: dict, program: dict) -> None:
     }
     temporary = folder / (MADE + ".part")
     temporary.write_text(tomli_w.dumps(tables), encoding="utf-8")
-    temporary.replace(folder / MADE)
+    durable.put(temporary, folder / MADE)

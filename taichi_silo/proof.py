@@ -32,7 +32,7 @@ def circumstances() -> str:
         sources.update(file.read_bytes())
     model = platform.processor() or platform.machine()
     if Path("/proc/cpuinfo").exists():
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         model += " ".join(line for line in lines if line.startswith(("model name", "CPU part")))[:200]
     return f"{model} | python {platform.python_version()} | taichi {ti.__version__} | {sources.hexdigest()}"
 

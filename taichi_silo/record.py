@@ -1,7 +1,7 @@
 """What is known of one interval of a run."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
@@ -32,7 +32,7 @@ class Record:
     separated: int  # points that carry no stress
     strays: int
     speed_m_per_s: float
-    profile: np.ndarray  # (left, right, bottom, bodies; slots; 2): force on the sand at each node [N/m]
+    profile: np.ndarray | None  # (left, right, bottom, bodies; slots; 2): force on the sand at each node [N/m]
     discharged_kg_per_m: float = 0.0  # since the start
     bodies_N_per_m: dict = field(default_factory=dict)  # force (x, y) of hopper walls and inserts on the sand
 
@@ -57,3 +57,31 @@ class Record:
         carried = self.bottom_N_per_m + self.left_shear_N_per_m + self.right_shear_N_per_m
         carried += sum(force[1] for force in self.bodies_N_per_m.values())
         return carried - self.weight_N_per_m - self.momentum_rate_N_per_m + self.control_N_per_m
+
+
+NUMBERS = tuple(one.name for one in fields(Record) if one.name not in ("profile", "bodies_N_per_m"))
+
+
+def packed(records: list[Record]) -> dict:
+    """Records as arrays, one a field; profiles are left out where there are none."""
+    kept = {name: np.array([getattr(r, name) for r in records]) for name in NUMBERS}
+    bodies = records[0].bodies_N_per_m if records else {}
+    kept["bodies"] = {name: np.array([r.bodies_N_per_m[name] for r in records]) for name in bodies}
+    if records and records[0].profile is not None:
+        kept["profile"] = np.stack([r.profile for r in records])
+    return kept
+
+
+def unpacked(kept: dict) -> list[Record]:
+    """The records that `packed` took."""
+    columns = {name: kept[name].tolist() for name in NUMBERS}
+    bodies = {name: forces.tolist() for name, forces in kept["bodies"].items()}
+    count = len(columns["time_s"])
+    profiles = kept.get("profile", [None] * count)
+    return [
+        Record(
+            **{name: column[k] for name, column in columns.items()}, profile=profiles[k],
+            bodies_N_per_m={name: forces[k] for name, forces in bodies.items()},
+        )  # fmt: skip
+        for k in range(count)
+    ]

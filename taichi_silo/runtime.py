@@ -17,6 +17,7 @@ if PRECISION not in ("f64", "f32", "mixed"):
 real = ti.f64 if PRECISION == "f64" else ti.f32
 real_place = ti.f32 if PRECISION == "f32" else ti.f64
 LANES = 8  # points that a kernel over lanes takes at once
+CACHE_BYTES = 1 << 30  # of compiled kernels that are kept; a tenth, which is usual, holds those of a few scenes
 eight = ti.types.vector(LANES, real)
 ARCHITECTURES = ("cpu", "cuda")
 
@@ -42,6 +43,7 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
     if arch not in ARCHITECTURES:
         raise ArchitectureError(f"arch is {arch!r}; it must be one of {', '.join(ARCHITECTURES)}")
     options = {"default_fp": real, "log_level": ti.ERROR, "offline_cache": True}
+    options["offline_cache_max_size_of_files"] = CACHE_BYTES
     with contextlib.redirect_stdout(io.StringIO()):
         if arch == "cuda":
             if not ti._lib.core.with_cuda():

@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 
-from taichi_silo import filling
+from taichi_silo import filling, outflow
 from taichi_silo.averaging import NonLocal
 from taichi_silo.column import wave_speed_of
 from taichi_silo.faults import RunFailed
@@ -14,6 +14,7 @@ from taichi_silo.grid import MARGIN
 from taichi_silo.half import HalfSolver
 from taichi_silo.ledger import Ledger
 from taichi_silo.noise import NoiseControl
+from taichi_silo.outflow import OPENED, RAMP_PERIODS
 from taichi_silo.particles import Particles
 from taichi_silo.placing import BOTTOM, LEFT, RIGHT, Section, grid_of, load, state_of_fill, surfaces_of, walls_of
 from taichi_silo.record import Record
@@ -24,12 +25,8 @@ from taichi_silo.solver import Solver
 from taichi_silo.weaknesses import weaknesses
 
 BODIES = 3  # of a record's profile: where walls after left, right and bottom begin
-RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
 STEP_SAFETY = 0.95  # of the stable step, which changes within an interval
-OPENED = -20.0  # speed of a gate that sand cannot follow [m/s]
 EXIT = 0.5  # of a cell below the floor: sand that has passed touches no node that can move
-SHORT, LANDING = 0.5, 0.6  # of an interval and of a time step in free outflow: sand that lands is stiff at once
-AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
 
 
 def noise_control(scene: Scene, period_s: float) -> NoiseControl:
@@ -50,7 +47,8 @@ def flow_time(scene: Scene, period_s: float) -> float:
 class Simulation:
     """The silo of a scene, ready to be filled; Taichi has been started.
 
-    Iterate over `run()`: it yields a `Record` after each interval. Observers look at the public attributes in between.
+    Iterate over `run()`: it yields a `Record` after each interval. Observers look at the public attributes in between;
+    there it can be left, and go on in another process (`state.py`).
     """
 
     def __init__(self, scene: Scene, control: NoiseControl | None = None, lanes: bool | None = None):
@@ -62,7 +60,10 @@ class Simulation:
         self.density = self.law.grain_density / (1.0 + scene.sand.void_ratio)  # inertial
         self.time, self.displacement, self.stage = 0.0, 0.0, "filling"
         self.settled = False  # whether the wall force had come to rest before the flow
+        self.finished = False  # whether the flow has come to its end
+        self.filling = filling.Progress()
         self.flow_start, self.bottom_speed = None, 0.0  # [s], [m/s]
+        self.left_at = 0.0  # when sand last left, or could not yet [s]
         self.steps, self.stepping_seconds = 0, 0.0
         self.after, self.seen = None, None  # last survey, and of which points
         per_axis = math.isqrt(scene.grid.points_per_cell)
@@ -93,15 +94,16 @@ class Simulation:
         self.walls = walls_of(scene, self.section, self.grid)
         self.surfaces = surfaces_of(scene, self.section)
         self.lanes = lanes if scene.machine.lanes else False
-        self.solver = self._solver(self.control)
+        self.use(self.control)
         if why := self.solver.distrust:
             slower = "Steps take two to four times as long."
             self.warnings.append(f"The processor's vector unit is not used: {why}. {slower}")
         self.ledger = None if scene.silo.sinks else Ledger(self.particles, -EXIT * scene.grid.cell_size_m)
         self.solver.advance(0, 1.0)  # compiles
 
-    def _solver(self, control: NoiseControl) -> Solver:
-        return (HalfSolver if self.half else Solver)(
+    def use(self, control: NoiseControl) -> None:
+        """From now on step with a solver of this noise control."""
+        self.solver = (HalfSolver if self.half else Solver)(
             self.particles, self.grid, self.shape, self.law, self.walls, control, averaging=self.averaging,
             setting=Setting(self.section.geometry), surfaces=self.surfaces, lanes=self.lanes,
             **self.scene.method.solver_options(),
@@ -144,50 +146,16 @@ class Simulation:
 
     def fill(self):
         """Get the sand in, then rest until the wall force no longer changes."""
-        self.stage = "filling"
-        yield from filling.fill(self)
+        if self.stage == "filling":
+            yield from filling.fill(self)
 
     def flow(self):
         """Lower the bottom or the gate, or open the gate; yields a Record after each interval."""
-        self.stage = "flow"
-        self.flow_start = self.time
-        yield from self._fall() if self.scene.flow.outflow == "gravity" else self._sink()
-
-    def _sink(self):
-        """A smooth start over several periods, then constant speed."""
-        target = self.scene.flow.displacement_m
-        while self.displacement < target * (1.0 - 1e-12):
-            duration = self.interval
-            faster = self._speed(self.time + duration - self.flow_start)
-            mean = 0.5 * (self.bottom_speed + faster)
-            duration = min(duration, (target - self.displacement) / mean)
-            yield self.advance(duration, plate_velocity=(-self.bottom_speed, -faster))
-            self.bottom_speed = faster
-
-    def _fall(self):
-        """Free outflow until the flow has stopped, enough has left, or the time is over.
-
-        Of the noise control only the relaxation stays: the drag towards the recent mean would brake what accelerates.
-        """
-        scene, left_at = self.scene, self.time
-        if self.control.drag:
-            pressing = self.solver.surfaces
-            self.solver = self._solver(NoiseControl(relaxation=self.control.relaxation))
-            self.solver.surfaces.take_over(pressing)
-        reach = 0.5 * scene.grid.cell_size_m  # no sand may pass the exit by more within an interval
-        end = self.flow_start + scene.flow.longest_s
-        while self.time < end and self.particles.active[None] and self.time - left_at < AT_REST_S:
-            fastest = self.after.speed + self.gravity * self.interval
-            before, short = self.ledger.mass, SHORT * self.interval
-            yield self.advance(min(short, reach / fastest), plate_velocity=(OPENED, OPENED), growth=LANDING)
-            if self.ledger.mass > before:
-                left_at = self.time
-            if self.displacement >= scene.flow.displacement_m:
-                return
-
-    def _speed(self, since_start: float) -> float:
-        part = min(since_start / (RAMP_PERIODS * self.period), 1.0)
-        return self.scene.flow.speed_m_per_s * part * part * (3.0 - 2.0 * part)
+        if self.stage == "filling":
+            self.stage, self.flow_start, self.left_at = "flow", self.time, self.time
+        if not self.finished:
+            yield from outflow.flow(self)
+            self.finished = True
 
     def advance(self, duration: float, gravity=None, plate_velocity=(0.0, 0.0), growth: float = 1.0) -> Record:
         """Steps over an interval [s]; gravity and plate velocity, pairs, vary linearly from its start to its end.

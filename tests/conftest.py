@@ -15,6 +15,26 @@ from taichi_silo import runtime
 from taichi_silo.lanes import Lanes
 
 DATA = Path(__file__).parent / "data"
+AFFINITY = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+
+
+def pytest_configure(config):
+    """Each worker has a core of its own, so that runs take one thread: two would wait for each other's turn in vain."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER")
+    if worker and AFFINITY:
+        os.sched_setaffinity(0, {AFFINITY[int(worker.removeprefix("gw")) % len(AFFINITY)]})
+
+
+@pytest.fixture
+def all_cores():
+    """For a test whose point is that threads share a step."""
+    if not AFFINITY:
+        yield
+        return
+    own = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, AFFINITY)
+    yield
+    os.sched_setaffinity(0, own)
 
 
 def pytest_addoption(parser):
@@ -68,3 +88,23 @@ def site(tmp_path_factory):
     trouble = built.read_text(encoding="utf-8")
     assert not trouble, trouble[-3000:]
     return place
+
+
+@pytest.fixture(scope="session")
+def small_run():
+    """A function that leaves the folder of a real run of seconds: 40 points, a film of two seconds if it is wanted."""
+    from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, Walls, run
+    from taichi_silo.observers import movie
+
+    def leave(folder, film=False, walls="smooth", silo=None, **parts):
+        scene = {
+            "silo": silo or Silo(), "walls": Walls(kind=walls), "grid": Mesh(cell_size_m=0.05),
+            "flow": Flow(speed_m_per_s=0.02, displacement_m=0.01), "method": Method(filling_time_s=0.2),
+            "machine": Machine(threads=1, lanes=False),
+        }  # fmt: skip
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(movie, "FILLING_FRAMES", 10)
+            patch.setattr(movie, "FLOW_FRAMES", 50)
+            return run(Scene(**scene | parts), folder, film=film)
+
+    return leave

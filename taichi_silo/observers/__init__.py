@@ -5,7 +5,11 @@ The simulation neither prints nor writes; observers do, each on a schedule of it
 
 
 class Observer:
-    """Looks, and never touches."""
+    """Looks, and never touches.
+
+    A run that was left goes on in another process: there `restore` takes the place of `begin`, with what `state` gave
+    at the last checkpoint. One that keeps nothing between two records needs neither.
+    """
 
     def begin(self, simulation) -> None:
         """Before the first interval."""
@@ -18,3 +22,14 @@ class Observer:
 
     def end(self) -> None:
         """After the last interval, or the failed one."""
+
+    def state(self) -> dict:
+        """What it needs to go on after the last record: numbers, words, arrays, dictionaries of them.
+
+        What it has put into files up to then is on the disk when this returns.
+        """
+        return {}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """Go on from a state; `kept` is empty if it was not there before."""
+        self.begin(simulation)

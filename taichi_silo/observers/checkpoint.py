@@ -1,57 +1,127 @@
-"""The state from which a run can go on."""
+"""The state from which a run goes on: `checkpoint.npz`, and the one before it."""
 
-import json
 import time
 from pathlib import Path
 
 import numpy as np
+from pydantic import ValidationError
 
+from taichi_silo import archive, durable, state
+from taichi_silo.faults import BadInput
 from taichi_silo.observers import Observer
+from taichi_silo.scene import Scene
+from taichi_silo.table import one_sentence
+
+EVERY_S = 120.0  # of the wall clock
+NAME, PREVIOUS = "checkpoint.npz", "checkpoint.previous.npz"
 
 
 class Checkpoint(Observer):
-    """`checkpoint.npz`: points, nodal memory, clock and scene, after filling, every few minutes and at the end.
+    """Written every two minutes, after filling, and by `write` wherever the run stops between two intervals.
 
-    A state that is not finite never replaces a good one.
+    It holds the scene, the simulation, and the state of every other observer; all of them have seen the last record. A
+    state that is not finite never replaces a good one.
+
+    Parameters
+    ----------
+    folder : of the run.
+    observers : by name.
+    begun : what an earlier process kept under "run", if this one goes on.
+
     """
 
-    def __init__(self, file: Path, every_s: float = 120.0):
-        self.file, self.every = file, every_s
+    def __init__(self, folder: Path, observers: dict[str, Observer], begun: dict | None = None):
+        begun = begun or {"filled": False, "resumed": -1, "wall_seconds": 0.0}
+        self.folder, self.observers = folder, observers
+        self.after_filling, self.resumed = begun["filled"], begun["resumed"] + 1
+        self.started = time.monotonic() - begun["wall_seconds"]
+        self.due, self.warned = time.monotonic() + EVERY_S, False
+
+    @property
+    def wall_seconds(self) -> float:
+        """Of the run, in all its processes, up to now."""
+        return time.monotonic() - self.started
 
     def begin(self, simulation) -> None:
-        """Start the clock."""
+        """Remember what to keep."""
         self.simulation = simulation
-        self.due = time.monotonic() + self.every
 
     def observe(self, record) -> None:
         """Write when due."""
-        if time.monotonic() > self.due:
-            self.end()
-            self.due = time.monotonic() + self.every
+        if time.monotonic() >= self.due:
+            self.write()
 
     def filled(self) -> None:
         """Write: the filling need not be done again."""
-        self.end()
+        self.after_filling = True
+        self.write()
 
-    def end(self) -> None:
-        """Write, in one piece or not at all."""
-        simulation = self.simulation
-        state = {
-            "time_s": simulation.time,
-            "displacement_m": simulation.displacement,
-            "stage": simulation.stage,
-            "steps": simulation.steps,
-            "flow_start_s": simulation.flow_start,
-            "bottom_speed_m_per_s": simulation.bottom_speed,
-            "settled": simulation.settled,
-            "scene": simulation.scene.model_dump(),
-        }
-        arrays = simulation.particles.arrays()
-        if not all(np.isfinite(array).all() for array in arrays.values()):
+    def write(self) -> None:
+        """Write, in one piece or not at all; the run outlives a checkpoint that cannot be written, with a warning."""
+        self.due = time.monotonic() + EVERY_S
+        if not all(np.isfinite(values).all() for values in self.simulation.particles.arrays().values()):
             return
-        temporary = self.file.with_suffix(".part.npz")
-        np.savez(
-            temporary, header=json.dumps(state), grid_memory=simulation.solver.grid.memory.to_numpy(),
-            **arrays,
-        )  # fmt: skip
-        temporary.replace(self.file)
+        temporary = self.folder / "checkpoint.part.npz"
+        kept = {
+            "run": {"filled": self.after_filling, "resumed": self.resumed, "wall_seconds": self.wall_seconds},
+            "scene": self.simulation.scene.model_dump(mode="json"),
+            "simulation": state.of(self.simulation),
+            "observers": {name: observer.state() for name, observer in self.observers.items()},
+        }
+        try:
+            archive.write(temporary, kept)
+            durable.put(temporary, self.folder / NAME, self.folder / PREVIOUS)
+        except OSError as error:
+            temporary.unlink(missing_ok=True)
+            if not self.warned:
+                self.warned = True
+                self.simulation.warnings.append(
+                    f"{self.folder / NAME} could not be written ({error.strerror or error}); an interrupted run would "
+                    "go on from an earlier state."
+                )
+
+
+def scene_of(kept: dict, threads: int | None = None) -> Scene:
+    """The scene of what a checkpoint holds; on so many threads, if they are given.
+
+    Raises
+    ------
+    BadInput
+        if it is not possible on this machine.
+
+    """
+    changed = {} if threads is None else {"threads": threads}
+    try:
+        return Scene.model_validate(kept["scene"] | {"machine": kept["scene"]["machine"] | changed})
+    except ValidationError as error:
+        raise BadInput(one_sentence(error)) from error
+
+
+def is_there(folder: Path) -> bool:
+    """Whether a folder holds a checkpoint, sound or not."""
+    return any((folder / name).exists() for name in (NAME, PREVIOUS))
+
+
+def latest(folder: Path) -> tuple[dict, list[str]]:
+    """What the newest sound checkpoint of a folder holds, and sentences on what had to be passed over.
+
+    Raises
+    ------
+    BadInput
+        if there is none.
+
+    """
+    troubles = []
+    for name in (NAME, PREVIOUS):
+        try:
+            header, kept = archive.read(folder / name)
+        except (archive.Damaged, FileNotFoundError) as error:
+            troubles.append(f"{name} is {'damaged' if isinstance(error, archive.Damaged) else 'missing'}")
+            continue
+        clock = kept["simulation"]["clock"]
+        words = [f"{troubles[0]}; the run goes on from {name}, at t = {clock['time']:.4f} s."] if troubles else []
+        written, present = header["taichi_silo"], archive.version("taichi-silo")
+        if written != present:
+            words.append(f"The run was begun with taichi-silo {written} and goes on with {present}.")
+        return kept, words
+    raise BadInput(f"{folder} cannot be resumed: {' and '.join(troubles)}")

@@ -1,8 +1,10 @@
 """Wall-force histories: `forces.csv`, and `balance.csv` with what closes the balance of each of its rows."""
 
 import csv
+import os
 from pathlib import Path
 
+from taichi_silo.faults import BadInput
 from taichi_silo.observers import Observer
 
 FORCES = {
@@ -57,11 +59,30 @@ class Table(Observer):
 
     def begin(self, simulation) -> None:
         """Write the head."""
+        self._open(simulation, "w")
+        self.writer.writerow(self.columns)
+
+    def _open(self, simulation, mode: str) -> None:
         if self.bodies:
             self.columns = self.columns | of_bodies(simulation.bodies)
-        self.stream = open(self.file, "w", newline="", buffering=1)  # noqa: SIM115 - closed in end()
+        self.stream = open(self.file, mode, newline="", buffering=1, encoding="utf-8")  # noqa: SIM115 - see end()
         self.writer = csv.writer(self.stream)
-        self.writer.writerow(self.columns)
+
+    def state(self) -> dict:
+        """How many bytes are written."""
+        self.stream.flush()
+        os.fsync(self.stream.fileno())
+        return {"bytes": os.fstat(self.stream.fileno()).st_size}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """Cut off what was written later."""
+        size = self.file.stat().st_size if self.file.exists() else 0
+        if size < kept["bytes"]:
+            raise BadInput(
+                f"{self.file} has {size} bytes; the run cannot go on without a gap, it had written {kept['bytes']}"
+            )
+        os.truncate(self.file, kept["bytes"])
+        self._open(simulation, "a")
 
     def observe(self, record) -> None:
         """Write a row, with digits enough to check the balance to 1e-9."""

@@ -6,13 +6,16 @@ from pathlib import Path
 import numpy as np
 
 from taichi_silo.grid import MARGIN
-from taichi_silo.measure.overpressure import largest_overpressure
+from taichi_silo.measure.overpressure import CORNER_M, largest_overpressure
+from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
 from taichi_silo.observers import Observer
 from taichi_silo.placing import BOTTOM, LEFT, RIGHT
+from taichi_silo.record import packed, unpacked
 from taichi_silo.simulation import BODIES
 
 SIDES = ((LEFT, 1.0), (RIGHT, -1.0))  # and the sign that makes their normal forces positive
 BLOCK_PERIODS = 5  # of the column, whose mean makes a flow profile
+BLOCK = ("sunk", "displacement", "profile")  # what is kept of a block
 
 
 class WallProfiles(Observer):
@@ -29,6 +32,24 @@ class WallProfiles(Observer):
         self.states: dict[str, tuple[float, float, np.ndarray]] = {}  # state: how far the grid sank, u, profile
         self.block, self.largest = [], 0.0
         self.history = []  # time, displacement and profile of each block of flow
+
+    def state(self) -> dict:
+        """Finished blocks, and of the present one as many records as its mean may need."""
+        columns = enumerate(("time", *BLOCK))
+        return {
+            "largest": self.largest,
+            "states": {name: dict(zip(BLOCK, block, strict=True)) for name, block in self.states.items()},
+            "block": packed(self.block[-self.full :]),
+            "history": {name: np.array([block[k] for block in self.history]) for k, name in columns},
+        }
+
+    def restore(self, simulation, kept: dict) -> None:
+        """As it was."""
+        self.begin(simulation)
+        self.largest, self.block = kept["largest"], unpacked(kept["block"])
+        self.states = {name: tuple(block[key] for key in BLOCK) for name, block in kept["states"].items()}
+        history = [list(kept["history"][name]) for name in ("time", *BLOCK)]
+        self.history = list(zip(*history, strict=True))
 
     def observe(self, record) -> None:
         """Gather blocks of records."""
@@ -112,6 +133,29 @@ class WallProfiles(Observer):
                 "after_filling_Pa": found.filling_stress_Pa,
             }
         }
+
+    def largest_in_flow(self) -> dict:
+        """The largest normal stress on a vertical wall of all means of flow, as a pressure cell reads it, if any.
+
+        Without the corner; `height_m` is above the initial bottom.
+        """
+        scene, rows, found = self.simulation.scene, self.simulation.grid.rows, {}
+        for time, sunk, displacement, profile in self.history:
+            for (wall, sign), name in zip(SIDES, ("left", "right"), strict=True):
+                height, stress = wall_stress(profile[wall, :rows], scene.grid.cell_size_m, closed=False)
+                above = height >= scene.silo.transition_m - 1e-9
+                height, stress = height[above], sign * stress[above, 0]
+                read = cell_mean(height, stress)
+                clear = np.flatnonzero(height > height.min(initial=np.inf) + CORNER_M + 0.5 * CELL_M)
+                if not len(clear):  # hardly any vertical wall above a hopper
+                    continue
+                k = clear[np.argmax(read[clear])]
+                if read[k] > found.get("normal_stress_Pa", 0.0):
+                    found = {
+                        "normal_stress_Pa": float(read[k]), "wall": name, "height_m": float(height[k] - sunk),
+                        "time_s": time, "displacement_m": displacement, "node_Pa": float(stress[clear].max()),
+                    }  # fmt: skip
+        return {"largest_wall_normal_stress_in_flow": found} if found else {}
 
 
 def surface_stress(simulation, number: int, force: np.ndarray):

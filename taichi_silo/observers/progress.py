@@ -22,17 +22,33 @@ class ProgressLine(Observer):
     def begin(self, simulation) -> None:
         """Say what it will cost, and estimate the whole in simulated seconds."""
         self.console.print(simulation.about_averaging, highlight=False, soft_wrap=True)
-        self.simulation, self.told = simulation, 0
-        self._warn()
+        self._start(simulation)
         cost = predict(simulation)
         seconds = cost.core_seconds / simulation.solver.threads
         self.console.print(
             f"{cost.points:,} points, about {cost.steps:,} steps: some {_clock(seconds)} minutes of stepping",
             highlight=False, soft_wrap=True,
         )  # fmt: skip
+        self._show_bar()
+
+    def restore(self, simulation, kept: dict) -> None:
+        """Say from where the run goes on."""
+        self._start(simulation)
+        self.console.print(
+            f"Going on from t = {simulation.time:.4f} s ({simulation.stage}), u = {1e3 * simulation.displacement:.3f} "
+            "mm", highlight=False, soft_wrap=True,
+        )  # fmt: skip
+        self._show_bar()
+
+    def _start(self, simulation) -> None:
+        self.simulation, self.told = simulation, 0
         self.total = simulation.filling_time + 5.0 * simulation.period + simulation.flow_time
-        self.begun, self.printed, self.forces, self.text = time.monotonic(), 0.0, None, ""
-        self.bar = None
+        self.done = min(simulation.time / self.total, 1.0)  # before this process
+        self.printed, self.forces, self.text, self.bar = self.done, None, "", None
+        self._warn()
+
+    def _show_bar(self) -> None:
+        self.begun = time.monotonic()
         if self.console.is_terminal:
             self.bar = Progress(
                 TextColumn("{task.percentage:5.1f} %"), BarColumn(24), TextColumn("{task.description}"),
@@ -49,7 +65,7 @@ class ProgressLine(Observer):
             self.forces = now
         self.forces = tuple(old + SMOOTHING * (new - old) for old, new in zip(self.forces, now, strict=True))
         part = min(record.time_s / self.total, 1.0)
-        left = (time.monotonic() - self.begun) * (1.0 - part) / max(part, 1e-9)
+        left = (time.monotonic() - self.begun) * (1.0 - part) / max(part - self.done, 1e-9)
         p, t, n = (force / 1e3 for force in self.forces)
         text = (
             f"{record.stage:7s} t = {record.time_s:7.3f} s  u = {1e3 * record.displacement_m:6.2f} mm  "

@@ -17,6 +17,7 @@ from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
 from taichi_silo.observers import Observer
 from taichi_silo.observers.profiles import WallProfiles
 from taichi_silo.parts import parts
+from taichi_silo.record import NUMBERS, packed, unpacked
 from taichi_silo.theory.janssen import pressure_ratio_from_normal_force
 from taichi_silo.theory.of_scene import janssen_of, theory_of
 
@@ -41,11 +42,21 @@ class Summary(Observer):
         self.simulation, self.records, self.after_filling = simulation, [], None
         self.started, self.before, self.mid = time.monotonic(), None, None
 
+    def state(self) -> dict:
+        """All but the simulation."""
+        states = {name: getattr(self, name) for name in STATES}
+        return states | {"records": packed(self.records), "seconds": time.monotonic() - self.started}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """As it was."""
+        self.simulation, self.records = simulation, unpacked(kept["records"])
+        self.started = time.monotonic() - kept["seconds"]
+        for name in STATES:
+            setattr(self, name, kept[name])
+
     def observe(self, record) -> None:
         """Keep the record, less its profile."""
-        names = [f.name for f in dataclasses.fields(record) if f.name != "profile"]
-        derived = ("normal_N_per_m", "shear_N_per_m", "wall_friction_angle_deg", "residual_N_per_m")
-        self.records.append({name: getattr(record, name) for name in (*names, *derived)})
+        self.records.append(dataclasses.replace(record, profile=None))
         if record.stage == "flow" and self.mid is None:
             part = self._part(record)
             if self.before is None and part >= MEASURED[0]:
@@ -75,7 +86,7 @@ class Summary(Observer):
     def end(self) -> None:
         """Write the file."""
         simulation, seconds = self.simulation, time.monotonic() - self.started
-        records = pd.DataFrame(self.records)
+        records = pd.DataFrame([{name: getattr(one, name) for name in COLUMNS} for one in self.records])
         found = {"finished": self.failure is None, "averaging": simulation.about_averaging}
         found["parts"] = [dataclasses.asdict(part) for part in parts(simulation.scene)]
         if simulation.warnings:
@@ -91,7 +102,7 @@ class Summary(Observer):
             found["theory"] = theory_of(simulation.scene, angle, ratio)
             found["shear_zones"] = self._zones()
             found["largest_wall_normal_stress_Pa"] = self._wall_stresses()
-            found |= self.profiles.overpressure()
+            found |= self.profiles.overpressure() | self.profiles.largest_in_flow()
         if self.before is not None:
             found |= flow_findings(self.after_filling, self.before, self.mid or self._state(), simulation.scene)
         if simulation.ledger is not None:
@@ -213,6 +224,8 @@ class Summary(Observer):
         return found
 
 
+COLUMNS = (*NUMBERS, "normal_N_per_m", "shear_N_per_m", "wall_friction_angle_deg", "residual_N_per_m")
+STATES = ("after_filling", "before", "mid")
 NAMES = ("bottom_N_per_m", "normal_N_per_m", "shear_N_per_m", "wall_friction_angle_deg")
 
 

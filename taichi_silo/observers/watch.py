@@ -15,6 +15,15 @@ class Watch(Observer):
         """Remember whom to look at."""
         self.simulation, self.filled_state, self.count, self.said = simulation, None, 0, False
 
+    def state(self) -> dict:
+        """All but the simulation."""
+        return {"filled_state": self.filled_state, "count": self.count, "said": self.said}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """As it was."""
+        self.simulation = simulation
+        self.filled_state, self.count, self.said = kept["filled_state"], kept["count"], kept["said"]
+
     def filled(self) -> None:
         """Keep the state that the flow starts from."""
         self.filled_state = self.simulation.points()

@@ -150,7 +150,7 @@ def named(patterns: tuple[str, ...]) -> list[str]:
 
 def read(file: Path = FILE) -> tuple[list[Statement], dict[str, Tolerance]]:
     """All statements of a file, in its order, and its tolerances by name."""
-    content = tomllib.loads(file.read_text())
+    content = tomllib.loads(file.read_text(encoding="utf-8"))
     tolerances = {name: Tolerance.model_validate(one) for name, one in content["tolerances"].items()}
     found = [Statement.model_validate(one) for one in content["statement"]]
     twice = {one.id for one in found if [other.id for other in found].count(one.id) > 1}

@@ -197,12 +197,12 @@ def filled(threads=1, shared=None, length=3e-3):
             whole.particles, Grid(0.04, 0.105, 0.0025), whole.shape, whole.law, whole.walls, whole.control,
             averaging=whole.averaging, shared=True,
         )  # fmt: skip
-    simulation.solver.advance(400, 1e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
+    simulation.solver.advance(150, 1e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
     return simulation
 
 
 @pytest.mark.parametrize("how", [{"threads": 2}, {"threads": 2, "shared": True}], ids=["two threads", "atomic sums"])
-def test_loops_agree_to_round_off_with_an_average(how):
+def test_loops_agree_to_round_off_with_an_average(how, all_cores):
     alone = filled()
     fields, pairs = alone.particles.arrays(), alone.solver.averaging.pairs
     assert pairs > 10 * alone.particles.count

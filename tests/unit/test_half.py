@@ -75,9 +75,9 @@ def test_every_point_and_every_wall_node_is_that_of_the_whole(choices):
 
 @pytest.mark.parametrize("how", [{"threads": 2}, {"threads": 2, "shared": True}], ids=["two threads", "atomic sums"])
 @pytest.mark.parametrize("update", ["last", "modified"])
-def test_the_loops_agree_about_the_half(how, update):
-    alone, forces = points_after(300, "yes", stress_update=update)
-    other, forces_other = points_after(300, "yes", stress_update=update, **how)
+def test_the_loops_agree_about_the_half(how, update, all_cores):
+    alone, forces = points_after(50, "yes", stress_update=update)
+    other, forces_other = points_after(50, "yes", stress_update=update, **how)
     for name, field in alone.items():
         assert np.abs(field - other[name]).max() <= 1e-9 * np.abs(field).max(), name
     assert np.abs(forces - forces_other).max() < 1e-9 * np.abs(forces).max()

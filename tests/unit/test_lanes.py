@@ -138,8 +138,8 @@ def test_lanes_do_the_step_of_the_plain_loop(scene, monkeypatch):
 @pytest.mark.parametrize(
     "scene", [SCENES["very rough"], SCENES["non-local"], SCENES["hopper"]], ids=["local", "non-local", "hopper"]
 )
-def test_two_threads_do_what_one_does_bit_by_bit(scene, monkeypatch):
-    one, two = (after(True, 300, threads, monkeypatch, **scene) for threads in (1, 2))
+def test_two_threads_do_what_one_does_bit_by_bit(scene, monkeypatch, all_cores):
+    one, two = (after(True, 100, threads, monkeypatch, **scene) for threads in (1, 2))
     assert all((field == two[0][name]).all() for name, field in one[0].items())
     assert (one[1] == two[1]).all()
     assert (one[2] == two[2]).all()

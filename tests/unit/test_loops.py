@@ -8,6 +8,7 @@ from taichi_silo.scene import Flow, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.simulation import Simulation
 from taichi_silo.vessel import Hopper
 
+pytestmark = pytest.mark.usefixtures("all_cores")
 SCENE = Scene(
     silo=Silo(width_m=0.1, height_m=0.2, half="no"),
     grid=Mesh(cell_size_m=0.01),
@@ -35,8 +36,8 @@ def state_after(steps, threads=1, shared=None, walls="very-rough", shape="ugimp"
 def test_loops_agree_about_a_hopper(how):
     """What its walls give is booked where nodes get it, whoever steps them."""
     silo = Silo(width_m=0.1, height_m=0.2, hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.05))
-    alone, (reaction, _) = state_after(300, walls="smooth", silo=silo)
-    other, (reaction_other, _) = state_after(300, walls="smooth", silo=silo, **how)
+    alone, (reaction, _) = state_after(100, walls="smooth", silo=silo)
+    other, (reaction_other, _) = state_after(100, walls="smooth", silo=silo, **how)
     assert np.abs(reaction[4:]).max() > 0.0
     for name, field in alone.items():
         assert np.abs(field - other[name]).max() <= 1e-9 * np.abs(field).max(), name
@@ -48,8 +49,8 @@ def test_loops_agree_about_a_hopper(how):
     "how", [{"threads": 2}, {"threads": 2, "shared": True}], ids=["two threads", "two threads with atomic sums"]
 )
 def test_loops_agree_to_round_off(how, walls):
-    alone, (reaction, control) = state_after(500, walls=walls)
-    other, (reaction_other, control_other) = state_after(500, walls=walls, **how)
+    alone, (reaction, control) = state_after(100, walls=walls)
+    other, (reaction_other, control_other) = state_after(100, walls=walls, **how)
     for name, field in alone.items():
         assert np.abs(field - other[name]).max() <= 1e-9 * np.abs(field).max(), name
     assert np.abs(reaction - reaction_other).max() < 1e-9 * np.abs(reaction).max()
@@ -78,7 +79,7 @@ def test_loops_agree_whatever_the_phases_of_the_step(how, variant):
 
 def test_one_thread_and_two_threads_each_repeat_themselves_bit_by_bit():
     for threads in (1, 2):
-        first, second = (state_after(300, threads=threads)[0] for _ in range(2))
+        first, second = (state_after(100, threads=threads)[0] for _ in range(2))
         assert all((first[name] == second[name]).all() for name in first)
 
 

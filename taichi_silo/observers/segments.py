@@ -1,0 +1,111 @@
+"""A film that is made in pieces: each is a whole file, so that what is drawn outlives whatever ends the run.
+
+`cut` ends a piece; a run that goes on begins the next one. Pieces are joined without being encoded again.
+"""
+
+import contextlib
+import shutil
+import subprocess
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+
+from taichi_silo import durable
+from taichi_silo.faults import BadInput
+
+MARK = ".segment_"
+LISTED = "-protocol_whitelist file,pipe -f concat -safe 0 -i pipe:0"  # names of the pieces come through a pipe
+JOINED = "-c copy -movflags +faststart -f mp4"
+
+
+class Segments:
+    """Takes frames; the film gets its name when closed.
+
+    Parameters
+    ----------
+    path : of the film; pieces stand beside it.
+    encoder : makes, of a path, what writes frames to it (see `film.Encoder`).
+
+    """
+
+    def __init__(self, path: Path, encoder):
+        self.path, self.encoder = path, encoder
+        self.present, self.closed = None, False
+        self.pieces: list[Path] = []
+        self.number = 0  # of the next one
+
+    def write(self, frame: np.ndarray) -> None:
+        """Append one frame; RuntimeError if the film is closed or the encoder has stopped."""
+        if self.closed:
+            raise RuntimeError(f"{self.path} is closed")
+        if self.present is None:
+            self.present = self.encoder(self._piece(self.number))
+            self.number += 1
+        self.present.write(frame)
+
+    def _piece(self, number: int) -> Path:
+        return self.path.with_name(f"{self.path.stem}{MARK}{number:04d}{self.path.suffix}")
+
+    def cut(self) -> list[str]:
+        """Names of all pieces; up to now everything is in them, and on the disk."""
+        if self.present is not None:
+            self.present.close()
+            durable.sync(self.present.path)
+            self.pieces.append(self.present.path)
+            self.present = None
+        return [piece.name for piece in self.pieces]
+
+    def go_on(self, names: list[str]) -> None:
+        """Go on after these pieces, and take away what was drawn later.
+
+        Raises
+        ------
+        BadInput
+            if one of them is missing.
+
+        """
+        self.pieces = [self.path.with_name(name) for name in names]
+        for piece in self.pieces:
+            if not piece.exists():
+                raise BadInput(f"{piece} is missing; the film cannot go on without a gap, the run can with --no-film")
+        for file in self.path.parent.glob(f"{self.path.stem}{MARK}*"):
+            number = int(file.name.removeprefix(f"{self.path.stem}{MARK}")[:4])
+            self.number = max(self.number, number + 1)  # an encoder that outlived its run may still write to the last
+            if file not in self.pieces:
+                with contextlib.suppress(OSError):
+                    file.unlink()
+
+    def close(self, keep: bool = False) -> None:
+        """Join all pieces; without frames there is no film. They are left beside it if they are to be kept."""
+        if self.closed:
+            return
+        self.cut()
+        self.closed = True
+        partial = self.path.with_name(f"{self.path.stem}.partial{self.path.suffix}")
+        if len(self.pieces) == 1:
+            shutil.copyfile(self.pieces[0], partial)
+        elif self.pieces:
+            self._join(partial)
+        if self.pieces:
+            durable.put(partial, self.path)
+        for piece in () if keep else self.pieces:
+            piece.unlink()
+
+    def _join(self, file: Path) -> None:
+        lines = []
+        for piece in self.pieces:
+            name = piece.resolve().as_posix().replace("'", "'\\''")
+            lines.append(f"file 'file:{name}'\n")
+        program = imageio_ffmpeg.get_ffmpeg_exe()
+        command = [program, "-y", "-loglevel", "error", *LISTED.split(), *JOINED.split(), str(file)]
+        # own session: Ctrl-C stops the run, which then still completes its film
+        done = subprocess.run(command, input="".join(lines).encode(), capture_output=True, start_new_session=True)
+        if done.returncode:
+            raise RuntimeError(f"ffmpeg failed to join {self.path}: {done.stderr.decode(errors='replace').strip()}")
+
+
+def clear(folder: Path) -> None:
+    """Take away the pieces of all films of a folder."""
+    for piece in folder.glob(f"*{MARK}*"):
+        piece.unlink(missing_ok=True)

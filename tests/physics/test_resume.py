@@ -1,0 +1,197 @@
+"""A run that was left and gone on with is, bit by bit, the run that was never left.
+
+While a run goes on, a checkpoint is written at chosen moments, and some records later its folder is copied, as a kill
+at that moment would leave it. The copies are gone on with, and must become the folder of the run.
+"""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+
+from taichi_silo import one_run
+from taichi_silo.faults import Stopped
+from taichi_silo.observers import Observer, movie
+from taichi_silo.observers.checkpoint import Checkpoint
+from taichi_silo.one_run import resume, run
+from taichi_silo.scene import Averaging, Filling, Flow, Machine, Mesh, Method, Output, Scene, Silo, Walls
+from taichi_silo.vessel import Hopper, Outlet
+
+LANES = True  # see conftest.py; scenes that do without say so
+SMOOTH, ROUGH = Walls(kind="smooth"), Walls(kind="very-rough")
+LOW = Silo(height_m=0.4)
+FLOW, FAST = Flow(speed_m_per_s=0.05, displacement_m=0.002), Flow(speed_m_per_s=0.5, displacement_m=0.16)
+FREE = Flow(outflow="gravity", displacement_m=2.0, longest_s=0.08)
+BESIDE = Silo(height_m=0.24, outlet=Outlet(width_m=0.12, position="right"))
+HOPPER = Silo(height_m=0.4, hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.1))
+LATER = 3  # records from the checkpoint to the copy
+AFFINE = {"transfer": "apic", "stress_filter": "smoothing"}
+
+
+def scene(silo=LOW, walls=SMOOTH, flow=FLOW, cell=0.05, method=None, shape="ugimp", **tables):
+    return Scene(
+        silo=silo, walls=walls, flow=flow, grid=Mesh(cell_size_m=cell, shape=shape),
+        method=Method(filling_time_s=0.1, longest_settling_s=0.0, **(method or {})),
+        output=Output(records_per_period=4),
+        machine=Machine(threads=1, lanes=False), **tables,
+    )  # fmt: skip
+
+
+def half_filled(simulation):
+    return simulation.filling.intervals == 12
+
+
+def coming_to_rest(simulation):
+    return simulation.filling.rest == 8
+
+
+def half_sunk(simulation):
+    return simulation.displacement > 0.5 * simulation.scene.flow.displacement_m
+
+
+def sand_has_left(simulation):
+    return simulation.ledger.points > 0
+
+
+def at_the_end(simulation):
+    return simulation.finished or simulation.displacement >= simulation.scene.flow.displacement_m * (1.0 - 1e-12)
+
+
+SCENES = {  # and the moments
+    "very rough walls": (scene(walls=ROUGH), (half_filled, half_sunk)),
+    "half of smooth walls": (scene(), (coming_to_rest, at_the_end)),
+    "outlet beside a wall, non-local": (
+        scene(BESIDE, flow=FAST, cell=0.04, averaging=Averaging(characteristic_length_m=0.08)), (sand_has_left,),
+    ),
+    "hopper": (scene(HOPPER, flow=FAST.model_copy(update={"displacement_m": 0.05})), (half_sunk,)),
+    "free outflow": (scene(Silo(height_m=0.2, outlet=Outlet(width_m=0.16)), ROUGH, FREE, 0.02), (sand_has_left,)),
+    "round": (scene(Silo(height_m=0.4, section="round")), (half_filled,)),
+    "layers": (  # each takes four records
+        scene(Silo(height_m=0.4, half="no"), ROUGH, filling=Filling(kind="layers", layers=4)), (half_filled,),
+    ),
+    "rain, affine": (
+        scene(Silo(height_m=0.1, half="no"), ROUGH, shape="cpdi", method=AFFINE,
+              filling=Filling(kind="rain", drop_m=0.02)),
+        (half_filled,),
+    ),
+}  # fmt: skip
+OFTEN = {("very rough walls", 2, False), ("very rough walls", 2, True), ("hopper", 1, True)}
+OFTEN |= {(name, 1, False) for name in SCENES if name != "very rough walls"}
+CASES = [
+    pytest.param(
+        name, threads, lanes, id=f"{name}, {threads} threads, {'lanes' if lanes else 'plain'}",
+        marks=[] if (name, threads, lanes) in OFTEN else pytest.mark.long,
+    )
+    for name in SCENES for threads in (1, 2) for lanes in (False, True) if not (lanes and "affine" in name)
+]  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def bare(monkeypatch):
+    """Figures take longer than these runs."""
+    monkeypatch.setattr(one_run._Session, "_draw", lambda self: None)
+
+
+def photographed(one, folder, moments, monkeypatch, film=False):
+    """Run a scene; the copies of its folder after each of the moments."""
+    copies = {moment: folder.with_name(f"{folder.name}_{moment.__name__}") for moment in moments}
+
+    class Photographer(Checkpoint):
+        def begin(self, simulation):
+            super().begin(simulation)
+            self.since = {}
+
+        def observe(self, record):
+            for moment, copy in copies.items():
+                if moment in self.since:
+                    self.since[moment] += 1
+                elif moment(self.simulation):
+                    self.since[moment] = 0
+                    self.write()
+                if self.since.get(moment) == LATER or moment is at_the_end and self.since.get(moment) == 0:
+                    shutil.copytree(self.folder, copy)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(one_run, "Checkpoint", Photographer)
+        run(one, folder, film=film)
+    return copies.values()
+
+
+def assert_same(one, other, but=()):
+    """All files of two folders, less their clocks."""
+    ours, theirs = ({str(file.relative_to(place)) for file in place.rglob("*")} for place in (one, other))
+    assert ours == theirs
+    assert {"forces.csv", "balance.csv", "walls.csv", "snapshots/filled.vtu", "snapshots/index.csv"} <= ours
+    for name in ours - {"run.toml", "summary.json", "checkpoint.npz", "checkpoint.previous.npz", *but}:
+        if (one / name).is_file():
+            assert (one / name).read_bytes() == (other / name).read_bytes(), name
+    summaries = [json.loads((place / "summary.json").read_text()) for place in (one, other)]
+    for summary in summaries:
+        assert summary["finished"]
+        for clock in ("seconds", "wall_seconds", "particle_steps_per_second"):
+            del summary["cost"][clock]
+    assert summaries[0] == summaries[1]
+
+
+@pytest.mark.parametrize(("name", "threads", "lanes"), CASES)
+def test_a_run_that_was_killed_becomes_the_run_that_was_not(name, threads, lanes, tmp_path, monkeypatch, request):
+    if threads > 1:
+        request.getfixturevalue("all_cores")
+    one, moments = SCENES[name]
+    one = one.model_copy(update={"machine": Machine(threads=threads, lanes=lanes)})
+    for copy in photographed(one, tmp_path / "whole", moments, monkeypatch):
+        assert (copy / "forces.csv").stat().st_size <= (tmp_path / "whole" / "forces.csv").stat().st_size
+        resume(copy)
+        assert_same(copy, tmp_path / "whole")
+
+
+class Presser(Observer):
+    """Presses Ctrl-C after so many records."""
+
+    def __init__(self, records):
+        self.left = records
+
+    def observe(self, record):
+        self.left -= 1
+        if self.left == 0:
+            os.kill(os.getpid(), signal.SIGINT)
+
+
+def frames(file):
+    """Times, in frames, and small grey pictures of a film."""
+    program = imageio_ffmpeg.get_ffmpeg_exe()
+    listed = subprocess.run([program, "-i", file, "-f", "framemd5", "-"], capture_output=True, text=True).stdout
+    times = [int(line.split(",")[2]) for line in listed.splitlines() if not line.startswith("#")]
+    scale = "-vf scale=240:135 -f rawvideo -pix_fmt gray -".split()  # noqa: SIM905
+    raw = subprocess.run([program, "-i", file, *scale], capture_output=True).stdout
+    return times, np.frombuffer(raw, np.uint8).reshape(-1, 135, 240).astype(int)
+
+
+def test_the_film_of_a_run_that_was_stopped_and_killed_has_every_frame_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(movie, "FILLING_FRAMES", 10)
+    monkeypatch.setattr(movie, "FLOW_FRAMES", 10)
+    one = scene()
+    (killed,) = photographed(one, tmp_path / "whole", (half_sunk,), monkeypatch, film=True)
+    assert list(killed.glob("*.segment_*")), "pieces of film lie beside the one that will be"
+    resume(killed)
+    stopped = tmp_path / "stopped"
+    with pytest.raises(Stopped, match=r"stopped at t = 0\.\d+ s \(filling, u = 0\.000 mm\); `taichi-silo resume"):
+        run(one, stopped, extra=(Presser(30),))
+    assert len(frames(stopped / "void_ratio.mp4")[0]) > 2, "what there is can be seen"
+    with pytest.raises(Stopped, match="flow"):
+        resume(stopped, extra=(Presser(50),))
+    resume(stopped)
+    times, pictures = frames(tmp_path / "whole" / "void_ratio.mp4")
+    assert times == list(range(len(times))) and len(times) > 15
+    for folder in (killed, stopped):
+        assert_same(folder, tmp_path / "whole", but=("void_ratio.mp4",))
+        there, seen = frames(folder / "void_ratio.mp4")
+        assert there == times
+        assert np.abs(seen - pictures).mean(axis=(1, 2)).max() < 1.0
+    moved = np.abs(np.diff(pictures, axis=0)).mean(axis=(1, 2))
+    assert moved.min() > 0.0, "no picture is that of its neighbour, so that an exchange would be seen"
