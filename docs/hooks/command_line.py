@@ -106,7 +106,7 @@ def flags_of(function) -> list[Flag]:
 def usual(name: str, kind) -> str:
     """A flag's name where the function gives none."""
     flag = name.replace("_", "-")
-    return f"--{flag}, --no-{flag}" if kind is bool else f"--{flag}"
+    return f"--{flag}, --no-{flag}" if bool in (kind, *typing.get_args(kind)) else f"--{flag}"
 
 
 def words_of(kind) -> str:
@@ -149,13 +149,10 @@ def paragraphs(text: str) -> str:
         if all(line.startswith("taichi-silo ") for line in lines):
             found.append(code(lines))
             continue
-        words = " ".join(lines)
-        head, given, examples = re.split(r"(Examples?: )", words, maxsplit=1) if "Example" in words else (words, "", "")
-        found += [head.strip()] * bool(head.strip())
-        if given:
-            calls = CALL.findall(examples)
-            found.append(code(calls) if calls else f"{given}{examples}")
-    return "\n\n".join(found) + "\n"
+        head, *examples = re.split(r"\bExamples?:", " ".join(lines), maxsplit=1)
+        calls = CALL.findall(examples[0].strip()) if examples else []
+        found += [one for one in (head.strip(), code(calls) if calls else "") if one]
+    return "\n\n".join(found).replace("\n```\n\n```console\n", "\n") + "\n"
 
 
 def code(lines: list[str]) -> str:

@@ -1,18 +1,11 @@
-"""The documentation in a browser: no errors, nothing from elsewhere, equations and pictures are drawn, phones do.
-
-Chromium is not part of the environment; without one on the path these tests are left out.
-"""
+"""The documentation in a browser: no errors, nothing from elsewhere, equations and pictures are drawn, phones do."""
 
 import functools
 import http.server
-import shutil
 import threading
 
 import pytest
 
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PHONE, DESKTOP = {"width": 390, "height": 844}, {"width": 1300, "height": 900}
 LOADED = """async () => {
     for (const image of document.images) image.loading = "eager";
@@ -38,17 +31,6 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 
     def log_message(self, *_):
         pass
-
-
-@pytest.fixture(scope="module")
-def browser():
-    program = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if program is None:
-        pytest.skip(f"there is no browser: none of {', '.join(BROWSERS)} is on the path")
-    with playwright.sync_playwright() as started:
-        running = started.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield running
-        running.close()
 
 
 @pytest.fixture(scope="module")
