@@ -4,6 +4,9 @@ import os
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -63,6 +66,28 @@ def renew_curves(request):
 @pytest.fixture
 def data():
     return DATA
+
+
+@pytest.fixture(scope="session")
+def site(tmp_path_factory):
+    """The documentation as `make docs` builds it, every warning an error; once for all processes of the tests."""
+    base = tmp_path_factory.getbasetemp()
+    shared = base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
+    place, built = shared / "site", shared / "site.built"
+    try:
+        (shared / "site.lock").mkdir()
+    except FileExistsError:
+        while not built.exists():
+            time.sleep(0.2)
+    else:
+        command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--site-dir", str(place)]
+        done = subprocess.run(
+            command, cwd=Path(__file__).parents[1], capture_output=True, text=True, env=os.environ | {"NO_COLOR": "1"}
+        )
+        built.write_text("" if done.returncode == 0 else done.stdout + done.stderr, encoding="utf-8")
+    trouble = built.read_text(encoding="utf-8")
+    assert not trouble, trouble[-3000:]
+    return place
 
 
 @pytest.fixture(scope="session")

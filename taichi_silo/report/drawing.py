@@ -2,9 +2,11 @@
 
 import math
 from html import escape
+from itertools import pairwise
 
 import numpy as np
 
+from taichi_silo import outline
 from taichi_silo.plots.run_files import RunFiles
 from taichi_silo.report.words import mm
 from taichi_silo.vessel import Silo
@@ -75,18 +77,15 @@ class Sheet:
 def drawing(run: RunFiles) -> str:
     """SVG of a run's silo: walls, sand, outlet, solids, and what is done to it."""
     silo, sheet = run.silo, Sheet(run.silo)
-    wide, high, transition = silo.width_m, silo.height_m, silo.transition_m
-    left, right = silo.outlet_m
-    sheet.shape([(0, high), (0, transition), (left, 0), (right, 0), (wide, transition), (wide, high)]
-                if silo.hopper else [(0, high), (0, 0), (wide, 0), (wide, high)], "sand")  # fmt: skip
-    for outline in silo.solids():
-        sheet.shape(outline, "solid")
+    wide, high = silo.width_m, silo.height_m
+    left, right = (_filled(side, high) for side in silo.sides)
+    sheet.shape([*right, *left[::-1]], "sand")
+    for solid in silo.solids():
+        sheet.shape(solid, "solid")
     top = high * (1.0 + FREEBOARD)
-    for x in (0.0, wide):
-        sheet.line(sheet.at(x, top), sheet.at(x, transition), "wall")
-    if silo.hopper:
-        sheet.line(sheet.at(0.0, transition), sheet.at(left, 0.0), "wall")
-        sheet.line(sheet.at(wide, transition), sheet.at(right, 0.0), "wall")
+    for side in (left, right):
+        for start, end in pairwise([*side, (side[-1][0], top)]):
+            sheet.line(sheet.at(*start), sheet.at(*end), "wall")
     if silo.section == "round":
         sheet.line(sheet.at(0.5 * wide, top), sheet.at(0.5 * wide, -0.03 * high), "axis")
     _floor(sheet, run)
@@ -94,12 +93,18 @@ def drawing(run: RunFiles) -> str:
     return sheet.svg(f"Section of the silo, {mm(wide)} wide and filled {mm(high)} high")
 
 
+def _filled(side: np.ndarray, high: float) -> list[tuple[float, float]]:
+    """Corners of a side of the silo up to the surface of the fill."""
+    below = [(float(x), float(y)) for x, y in side if y < high]
+    return [*below, (float(outline.place(side, high)), high)]
+
+
 def _floor(sheet: Sheet, run: RunFiles) -> None:
     """Floor, gate, and an arrow where the sand leaves."""
     silo = run.silo
-    left, right = silo.outlet_m
-    for begin, end in ((0.0, left), (right, silo.width_m)):
-        if silo.hopper is None and end > begin:
+    (first, last), (left, right) = silo.floor_m, silo.outlet_m
+    for begin, end in ((first, left), (right, last)):
+        if end > begin:
             sheet.line(sheet.at(begin, 0.0), sheet.at(end, 0.0), "wall")
     sheet.line(sheet.at(left, 0.0), sheet.at(right, 0.0), "gate")
     x, y = sheet.at(0.5 * (left + right), 0.0)
@@ -124,12 +129,15 @@ def _dimensions(sheet: Sheet, silo: Silo) -> None:
     if not silo.sinks:
         left, right = (sheet.at(x, 0.0)[0] for x in silo.outlet_m)
         sheet.dimension((left, y0 + 52.0), (right, y0 + 52.0), mm(silo.outlet_m[1] - silo.outlet_m[0]))
-    if silo.hopper is not None:
-        level = sheet.at(0.0, silo.transition_m)[1]
+    level = sheet.at(0.0, silo.transition_m)[1]
+    if silo.transition_m:
         sheet.dimension((x1 + 32.0, level), (x1 + 32.0, y0), mm(silo.transition_m))
+    if silo.hopper is not None:
         sheet.words(x1 + 8.0, level - 24.0, f"{silo.hopper.half_angle_deg:g}° from", "start")
         sheet.words(x1 + 8.0, level - 9.0, "the vertical", "start")
     for insert in silo.inserts:
-        x, y = sheet.at(insert.centre_m(wide), insert.bottom_m)
-        sheet.words(x, y + 15.0, mm(insert.width_m))
-        sheet.dimension((x1 + 32.0, y), (x1 + 32.0, y0), mm(insert.bottom_m))
+        bottom = float(insert.outline(wide)[:, 1].min())
+        x, y = sheet.at(insert.centre_m(wide), bottom)
+        sheet.words(x, y + 15.0, mm(insert.breadth_m))
+        place = x1 + (60.0 if silo.transition_m else 32.0)  # beside that of the hopper
+        sheet.dimension((place, y), (place, y0), mm(bottom))

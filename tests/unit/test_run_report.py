@@ -307,6 +307,13 @@ def written(folder, scene):
             Silo(outlet=Outlet(width_m=0.08), inserts=(Insert(kind="cylinder", width_m=0.06, bottom_m=0.15),)),
             ["60 mm", "150 mm"],
         ),
+        (
+            Silo.polygon(
+                [(0.06, 0.0), (0.14, 0.0), (0.2, 0.2), (0.2, 0.5), (0.0, 0.5), (0.0, 0.1)],
+                inserts=(Insert.polygon([(0.075, 0.24), (0.125, 0.24), (0.1, 0.29)]),),
+            ),
+            ["80 mm", "200 mm", "50 mm", "240 mm"],
+        ),
     ],
 )
 def test_a_drawing_has_the_silos_dimensions(tmp_path, silo, words):
