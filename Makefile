@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper paper-check test test-long bench parts lint clean
+.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper paper-check docs docs-serve test test-long bench parts lint clean
 
 setup: $(READY)
 
@@ -50,6 +50,14 @@ paper: $(READY)
 paper-check: $(READY)
 	$(BIN)/python scenarios/paper_check.py
 
+# the documentation, in site/: open site/index.html
+docs: $(READY)
+	$(BIN)/python -m mkdocs build --strict
+
+# the same at http://127.0.0.1:8000, built anew whenever a page changes
+docs-serve: $(READY)
+	$(BIN)/python -m mkdocs serve --strict
+
 test: $(READY)
 	$(BIN)/python -m pytest
 
@@ -67,4 +75,4 @@ lint: $(READY)
 	$(BIN)/ruff check .
 
 clean:
-	rm -rf $(VENV) build *.egg-info
+	rm -rf $(VENV) build site *.egg-info

@@ -10,15 +10,17 @@ import tomli_w
 
 from taichi_silo import durable
 from taichi_silo.faults import BadInput
+from taichi_silo.fields import FIELDS
 from taichi_silo.scene import Scene
 from taichi_silo.symmetry import half_model
 
 CHECKPOINT = "checkpoint.npz"  # from which it goes on
 MADE = "run.toml"  # its presence says that the folder holds a run
 PRODUCTS = (
-    MADE, "summary.json", "forces.csv", "balance.csv", "walls.csv", "void_ratio.mp4", "void_ratio.partial.mp4",
-    "*.segment_*.mp4", "checkpoint*.npz", "curve.csv", "points.npz", "points.vtu", "scene.json",
-    "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv", "snapshots/silo.pvd",
+    MADE, "summary.json", "forces.csv", "balance.csv", "walls.csv", "checkpoint*.npz", "curve.csv", "points.npz",
+    "points.vtu", "scene.json", "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv", "snapshots/silo.pvd",
+    *(f"{field}{ending}" for field in FIELDS for ending in (".mp4", ".*.mp4", "_*.png")),  # films and pictures
+    "silo.vtkhdf", "csv/*.csv", "report.html",
 )  # fmt: skip
 
 
@@ -128,6 +130,7 @@ def parameters(scene: Scene) -> dict:
     tables["sand"]["law"] = scene.sand.law_for(scene.flow.turns_back)
     tables["silo"]["half"] = "yes" if half_model(scene)[0] else "no"
     tables["averaging"]["characteristic_length_m"] = scene.averaging.length_m(scene.sand)
+    tables["output"]["snapshots"] = scene.snapshots
     return tables
 
 

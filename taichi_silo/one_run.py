@@ -121,7 +121,7 @@ class _Session:
             "forces": Table(folder / "forces.csv", FORCES, bodies=True),
             "balance": Table(folder / "balance.csv", BALANCE),
             "profiles": profiles,
-            "snapshots": Snapshots(folder, {u for u in figured if u < last} | {last}),
+            "snapshots": Snapshots(folder, {u for u in figured if u < last} | {last}, scene.snapshots),
             "summary": self.summary,
             **({"film": Movie(folder / "void_ratio.mp4")} if film else {}),
             "watch": Watch(),

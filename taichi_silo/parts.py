@@ -153,9 +153,11 @@ def records(scene: Scene, period_s: float) -> Part:
     flow = scene.flow.displacement_m / scene.flow.speed_m_per_s
     because = (
         f"{scene.output.records_per_period} records a period of the column, about {flow / interval:.0f} in flow; the "
-        f"film takes {FILLING_FRAMES} frames of filling and {FLOW_FRAMES} of flow."
+        f"film takes {FILLING_FRAMES} frames of filling and {FLOW_FRAMES} of flow; {scene.snapshots} snapshots of flow "
+        "are for further films."
     )
-    return Part("output", f"a record every {1e3 * interval:.3g} ms", because, "--records-per-period, --no-film")
+    flags = "--records-per-period, --no-film, --snapshots"
+    return Part("output", f"a record every {1e3 * interval:.3g} ms", because, flags)
 
 
 def empty_nodes(scene: Scene) -> Part:

@@ -1,23 +1,12 @@
-"""Tasks, each in a process of its own, as many at a time as there are cores for them; how far they are, and their end.
+"""Tasks, each in a process of its own, as many at a time as there are cores; how far they are, and their end."""
 
-A task is given one line on its input, which then stays open: a task that reads it by `given` is interrupted, as by
-Ctrl-C, when whoever started it stops it or is gone. No task outlives its parent for longer than it needs to put
-its files in order.
-"""
-
-import _thread
-import contextlib
-import os
-import signal
-import subprocess
-import sys
-import tempfile
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
 
-GRACE_S = 20.0  # for a task that is stopped: it ends its interval and leaves its files
+from taichi_silo.child import GRACE_S, Child, end
+from taichi_silo.tally import Tally
+
 SAID_EVERY = 0.05  # of the whole work, between two tasks' ends
 
 
@@ -55,8 +44,8 @@ class Processes:
         The troubles by the tasks' names.
 
         """
-        self.begun, self.said, self.heard = time.monotonic(), 0.0, heard
-        self.whole, self.done = sum(task.seconds for task in tasks), {task.name: 0.0 for task in tasks}
+        self.said, self.heard = 0.0, heard
+        self.tally = Tally({task.name: task.seconds for task in tasks}, self.jobs)
         troubles = {}
         workers = ThreadPoolExecutor(self.jobs)
         try:
@@ -77,89 +66,39 @@ class Processes:
 
     def _advance(self, task: Task, part: float, words: str = "") -> None:
         """Say how far the whole is, now that this part of a task is done; without words only now and then."""
+        share = self.tally.advance(task.name, part)
         with self.lock:
-            self.done[task.name] = part * task.seconds
-            share = sum(self.done.values()) / self.whole
             if not words and share < self.said + SAID_EVERY:
                 return
             self.said = share
-        left = (time.monotonic() - self.begun) * (1.0 - share) / max(share, 1e-9)
         words = words or f"{100 * part:.0f} %"
-        self.say(f"{100 * share:5.1f} %  {task.name:60s} {words:24s} {left / 60:5.1f} min left")
+        self.say(f"{100 * share:5.1f} %  {task.name:60s} {words:24s} {self.tally.left_s / 60:5.1f} min left")
 
     def _one(self, task: Task) -> str:
         """Run a task; returns why it failed, or nothing."""
-        command = [sys.executable, "-m", *task.program]
-        with tempfile.TemporaryFile("w+", encoding="utf-8") as errors:  # a pipe that nobody reads in time would fill up
+        with self.lock:
+            if self.stopped:
+                return "stopped"
+            child = Child(task.program, task.line, task.environment)
+            self.children.add(child)
+        try:
+            for line in child.lines():
+                part = self.heard(task, line)
+                if part is None:
+                    child.keep(line)
+                else:
+                    self._advance(task, part)
+        except BaseException:  # whoever listens asked to stop: this worker must not begin the next task
             with self.lock:
-                if self.stopped:
-                    return "stopped"
-                child = subprocess.Popen(
-                    command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, text=True,
-                    env=os.environ | task.environment, start_new_session=True,
-                )  # fmt: skip
-                self.children.add(child)
-            try:
-                rest = self._talk(child, task)
-            except BaseException:  # whoever listens asked to stop: this worker must not begin the next task
-                with self.lock:
-                    self.stopped = True
-                raise
-            with self.lock:
-                self.children.discard(child)
-            if child.returncode == 0:
-                return ""
-            errors.seek(0)
-            lines = errors.read().strip().splitlines() or rest
-        return lines[-1] if lines else f"ended with code {child.returncode}"
-
-    def _talk(self, child, task: Task) -> list[str]:
-        """Give the child its line, and listen until it ends; returns what it said beside how far it is."""
-        with contextlib.suppress(BrokenPipeError):  # it ended at once, and says why
-            child.stdin.write(task.line + "\n")
-            child.stdin.flush()
-        rest = []
-        for line in child.stdout:
-            part = self.heard(task, line)
-            if part is None:
-                rest.append(line.strip())
-            else:
-                self._advance(task, part)
-        child.wait()
-        with contextlib.suppress(BrokenPipeError):
-            child.stdin.close()
-        return rest
+                self.stopped = True
+            raise
+        with self.lock:
+            self.children.discard(child)
+        return child.trouble
 
     def _stop(self) -> None:
-        """Interrupt all children, and kill those that do not end."""
+        """Stop all children."""
         with self.lock:
             self.stopped = True
             children = list(self.children)
-        for child in children:
-            with contextlib.suppress(BrokenPipeError):
-                child.stdin.close()
-        end = time.monotonic() + GRACE_S
-        try:
-            for child in children:
-                with contextlib.suppress(subprocess.TimeoutExpired):
-                    child.wait(max(0.0, end - time.monotonic()))
-        finally:  # also when asked once more
-            for child in children:
-                child.kill()
-
-
-def given() -> str:
-    """The line that a task was given; from now on the end of its input interrupts it."""
-    line = sys.stdin.readline()
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a parent in the background may ignore it
-
-    def watch() -> None:
-        while os.read(sys.stdin.fileno(), 1):  # past Python's own buffer, which a waiting thread would lock
-            pass
-        if os.name == "nt":  # where signals to a process only end it
-            _thread.interrupt_main()
-        else:
-            os.kill(os.getpid(), signal.SIGINT)
-
-    threading.Thread(target=watch, daemon=True).start()
-    return line
+        end(children, GRACE_S)

@@ -7,10 +7,10 @@ import tomllib
 from functools import cached_property
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pandas as pd
 
+from taichi_silo import snapshot
 from taichi_silo.faults import BadInput
 from taichi_silo.folder import MADE
 from taichi_silo.scene import Scene
@@ -95,7 +95,10 @@ class Result(os.PathLike):
         return pd.read_csv(self.folder / "snapshots" / "index.csv")
 
     def state(self, which: str | int = -1) -> dict[str, np.ndarray]:
-        """All points of a stored state: `position` (n, 2) [m], `velocity` (n, 2), `void_ratio`, `stress_Pa` (n, 4), ...
+        """All points of a stored state, as `Simulation.points` gives them.
+
+        `position` (n, 2) [m], `velocity` (n, 2) [m/s], `void_ratio`, `stress` (xx, yy, zz, xy; tension positive) [Pa],
+        `volume` [m2/m], `mass` [kg/m], `path` of the strain, `identity`.
 
         Parameters
         ----------
@@ -112,10 +115,7 @@ class Result(os.PathLike):
         if which not in (names if isinstance(which, str) else numbers):
             raise BadInput(f"state is {which}; it must be one of {', '.join(names)}, or its number")
         name = which if isinstance(which, str) else names[which]
-        mesh = meshio.vtu.read(str(self.folder / "snapshots" / f"{name}.vtu"))
-        data = {key: np.asarray(values) for key, values in mesh.point_data.items()}
-        data["velocity"] = data["velocity"][:, :2]
-        return {"position": mesh.points[:, :2]} | data
+        return snapshot.read(self.folder / "snapshots" / f"{name}.vtu")
 
     @property
     def film(self) -> Path | None:

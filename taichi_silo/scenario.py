@@ -48,6 +48,10 @@ RUN_FLAGS = {
     "overwrite": (bool, False, ("--overwrite", "replace a run in the output folder")),
     "film": (bool, True, "draw void_ratio.mp4"),
     "records_per_period": (int, 10, "rows of forces.csv in one period of the column, 4 to 100"),
+    "snapshots": (
+        int | None, None,
+        "states of all points over the flow, for films of them; 100 (fewer of more than 100,000 points) if not given",
+    ),
     "explain": (flags.ExplainFlag, False, ""),
     "quiet": (QuietFlag, False, ""),
     "json": (JsonFlag, False, ""),
@@ -92,7 +96,7 @@ class Common:
             filling=Filling(kind=self.filling, layers=self.layers, drop_m=self.drop),
             flow=flow or Flow(displacement_m=self.displacement, **chosen.values("flow", speed_m_per_s=speed)),
             method=Method(noise_control=self.noise_control, **flags.method(self.values)),
-            output=Output(records_per_period=self.records_per_period),
+            output=Output(records_per_period=self.records_per_period, snapshots=self.snapshots),
             machine=Machine(**machine),
         )
 

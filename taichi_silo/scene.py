@@ -22,6 +22,8 @@ from taichi_silo.vessel import Silo
 
 LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of loose sand applies
 MOST_POINTS = 20_000_000
+SNAPSHOTS, FEWEST_SNAPSHOTS = 100, 10  # over the flow, of small and of large scenes
+MOST_STATES = 10_000_000  # points times snapshots, where their number is not given: about 0.8 GB
 
 
 def cores() -> int:
@@ -154,6 +156,9 @@ class Output(Table):
     """What is written, and how often."""
 
     records_per_period: int = Field(10, ge=4, le=100, description="rows of forces.csv in one period of the column")
+    snapshots: int | None = Field(
+        None, ge=0, le=10_000, description="over the flow; 100 if absent, or fewer of more than 100,000 points"
+    )
 
 
 class Machine(Table):
@@ -267,6 +272,13 @@ class Scene(Table):
         if silo.sinks or columns * rows > MOST_POINTS:
             return columns * rows
         return silo.points(d)
+
+    @property
+    def snapshots(self) -> int:
+        """How many are written evenly over the flow: as given, or as many as the points leave room for."""
+        if self.output.snapshots is not None:
+            return self.output.snapshots
+        return max(FEWEST_SNAPSHOTS, min(SNAPSHOTS, MOST_STATES // self.points))
 
     @property
     def wall_friction_angle_deg(self) -> float:

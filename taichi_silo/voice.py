@@ -13,6 +13,8 @@ JsonFlag = Annotated[
     bool, typer.Option("--json", help="print one JSON object with the result; all other words go to stderr")
 ]
 
+WIDE = 132  # columns of a table that goes to a file or another program
+
 
 @dataclass(frozen=True)
 class Voice:
@@ -31,7 +33,9 @@ class Voice:
     @property
     def console(self) -> Console:
         """For lines, tables and progress bars; silent where nothing is to be said."""
-        return Console(stderr=self.as_json, quiet=self.quiet, highlight=False, soft_wrap=True)
+        stream = sys.stderr if self.as_json else sys.stdout
+        width = None if stream.isatty() else WIDE
+        return Console(file=stream, quiet=self.quiet, highlight=False, soft_wrap=True, width=width)
 
     def say(self, *lines: str) -> None:
         """Tell a person."""

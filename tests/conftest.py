@@ -4,6 +4,9 @@ import os
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -63,3 +66,45 @@ def renew_curves(request):
 @pytest.fixture
 def data():
     return DATA
+
+
+@pytest.fixture(scope="session")
+def site(tmp_path_factory):
+    """The documentation as `make docs` builds it, every warning an error; once for all processes of the tests."""
+    base = tmp_path_factory.getbasetemp()
+    shared = base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
+    place, built = shared / "site", shared / "site.built"
+    try:
+        (shared / "site.lock").mkdir()
+    except FileExistsError:
+        while not built.exists():
+            time.sleep(0.2)
+    else:
+        command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--site-dir", str(place)]
+        done = subprocess.run(
+            command, cwd=Path(__file__).parents[1], capture_output=True, text=True, env=os.environ | {"NO_COLOR": "1"}
+        )
+        built.write_text("" if done.returncode == 0 else done.stdout + done.stderr, encoding="utf-8")
+    trouble = built.read_text(encoding="utf-8")
+    assert not trouble, trouble[-3000:]
+    return place
+
+
+@pytest.fixture(scope="session")
+def small_run():
+    """A function that leaves the folder of a real run of seconds: 40 points, a film of two seconds if it is wanted."""
+    from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, Walls, run
+    from taichi_silo.observers import movie
+
+    def leave(folder, film=False, walls="smooth", silo=None, **parts):
+        scene = {
+            "silo": silo or Silo(), "walls": Walls(kind=walls), "grid": Mesh(cell_size_m=0.05),
+            "flow": Flow(speed_m_per_s=0.02, displacement_m=0.01), "method": Method(filling_time_s=0.2),
+            "machine": Machine(threads=1, lanes=False),
+        }  # fmt: skip
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(movie, "FILLING_FRAMES", 10)
+            patch.setattr(movie, "FLOW_FRAMES", 50)
+            return run(Scene(**scene | parts), folder, film=film)
+
+    return leave

@@ -1,14 +1,12 @@
 """One run of a batch, as a program: it reads scene, folder and film from its input and says which part is done."""
 
-import json
 import sys
-from pathlib import Path
 
+from taichi_silo.batch.attempt import attempt
+from taichi_silo.batch.runs import Run
+from taichi_silo.child import SAID_NO, STOPPED, given
 from taichi_silo.faults import BadInput, RunFailed
 from taichi_silo.observers import Observer
-from taichi_silo.one_run import run
-from taichi_silo.processes import given
-from taichi_silo.scene import Scene
 
 SAID_EVERY = 0.01  # of the run
 
@@ -33,17 +31,15 @@ class Part(Observer):
 
 def main() -> None:
     """Simulate; a run that fails says so in one sentence."""
-    wanted = json.loads(given())
-    extra = (Part(wanted["steps"]),) if wanted["steps"] else ()
-    scene, folder = Scene.model_validate(wanted["scene"]), Path(wanted["folder"])
+    run, steps = Run.of_order(given())
     try:
-        run(scene, folder, overwrite=True, film=wanted["film"], extra=extra)
+        attempt(run, (Part(steps),) if steps else ())
     except (BadInput, RunFailed) as error:
         print(error, file=sys.stderr)
-        sys.exit(1)
+        sys.exit(SAID_NO)
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
-        sys.exit(130)
+        sys.exit(STOPPED)
 
 
 if __name__ == "__main__":

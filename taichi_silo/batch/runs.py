@@ -9,11 +9,13 @@ from pathlib import Path
 
 from taichi_silo.cost import START_S, Cost, at_pace, rehearse
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE, parameters
+from taichi_silo.folder import MADE, claim, finished, parameters
 from taichi_silo.processes import Processes, Task
 from taichi_silo.scene import Scene
 from taichi_silo.scene_file import read_scene
 from taichi_silo.simulation import Simulation
+
+PROGRAM = ("taichi_silo.batch",)  # that makes one run
 
 
 @dataclass(frozen=True)
@@ -30,20 +32,39 @@ class Run:
         try:
             if self._other():
                 return {}
-            return json.loads((self.folder / "summary.json").read_text())
+            return json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
         except (BadInput, OSError, ValueError):
             return {}
 
     @property
     def finished(self) -> bool:
         """Whether it is there, with all that belongs to it."""
-        done = self.summary.get("finished", False)
+        done = self.summary.get("finished", False) and finished(self.folder)
         return done and (not self.film or (self.folder / "void_ratio.mp4").exists())
+
+    @property
+    def begun(self) -> bool:
+        """Whether the folder holds this run, and it has not come to its end."""
+        try:
+            return (self.folder / MADE).exists() and not finished(self.folder) and not self._other()
+        except BadInput:
+            return False
 
     def check(self) -> None:
         """Refuse a folder that holds the run of another scene."""
         if (self.folder / MADE).exists() and self._other():
             raise BadInput(f"output {self.folder} holds another scene's run; give another folder, or --overwrite it")
+
+    def order(self, steps: int = 0) -> str:
+        """What `taichi_silo.batch`, run as a program, is given: itself, and the steps that it will probably take."""
+        scene, folder = self.scene.model_dump(mode="json"), os.fspath(self.folder)
+        return json.dumps({"scene": scene, "folder": folder, "film": self.film, "steps": steps})
+
+    @classmethod
+    def of_order(cls, line: str) -> tuple["Run", int]:
+        """What it was given."""
+        given = json.loads(line)
+        return cls(Scene.model_validate(given["scene"]), Path(given["folder"]), given["film"]), given["steps"]
 
     def _other(self) -> bool:
         tables = [parameters(scene) for scene in (read_scene(self.folder / MADE, threads=1), self.scene)]
@@ -88,7 +109,7 @@ def simulate(
     runs: dict[str, Run], jobs: int, say=print, ended: Callable[[str, str], None] = lambda name, trouble: None,
     expected: dict[str, Cost] | None = None,
 ) -> dict[str, str]:  # fmt: skip
-    """Run all, each in a process of its own, and replace what their folders hold.
+    """Run all, each in a process of its own: from the start what is finished, and what was left from where it was.
 
     Parameters
     ----------
@@ -105,26 +126,22 @@ def simulate(
     """
     tasks = []
     for name, run in runs.items():
+        if run.finished:  # what is there is done, for whoever attempts it
+            claim(run.folder, overwrite=True)
         cost = (expected or {}).get(name)
-        given = {
-            "scene": run.scene.model_dump(mode="json"),
-            "folder": os.fspath(run.folder),
-            "film": run.film,
-            "steps": cost.steps if cost else 0,
-        }
         seconds = cost.core_seconds + START_S if cost else 1.0
-        tasks.append(Task(name, ("taichi_silo.batch",), json.dumps(given), seconds=seconds))
+        tasks.append(Task(name, PROGRAM, run.order(cost.steps if cost else 0), seconds=seconds))
 
     def over(task: Task, trouble: str) -> str:
         ended(task.name, trouble)
         seconds = runs[task.name].summary.get("cost", {}).get("seconds", 0.0)
         return trouble or f"{seconds:.3g} core-seconds"
 
-    return Processes(jobs, say).run(tasks, _part, over)
+    return Processes(jobs, say).run(tasks, lambda task, line: part(line), over)
 
 
-def _part(task: Task, line: str) -> float | None:
-    """Of a run that is done, as its process says it."""
+def part(line: str) -> float | None:
+    """Of a run that is done, as its process says it; None of other lines."""
     try:
         return float(line)
     except ValueError:

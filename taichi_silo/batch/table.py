@@ -1,5 +1,6 @@
 """A batch as a table: one row a run, with what was varied and what was found."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import pandas as pd
@@ -24,14 +25,33 @@ def row(name: str, run: Run, paths: list[str], failure: str = "") -> dict:
 
     Returns
     -------
-    run; one column a path; P, T, N after filling, their extreme in flow and their residual [N/m]; wall friction angle
-    [deg] at the same times; largest wall normal stress of all states away from the corner, at a node and as a pressure
-    cell reads it [Pa]; points, steps and seconds of one core; warnings (number); finished; failure.
+    run; one column a path; what `found` returns; points, steps and seconds of one core; warnings (number); finished;
+    failure.
 
     """
-    found = run.summary
-    filling, peak, residual = (found.get(key, {}) for key in ("filling", "peak", "residual"))
-    cells = {"run": name} | {path: used(run.scene, path) for path in paths}
+    summary = run.summary
+    cost, finished = summary.get("cost", {}), summary.get("finished", False) and not failure
+    return {
+        "run": name, **used(run.scene, paths), **found(summary),
+        "points": run.scene.points, "steps": cost.get("steps"), "core_seconds": cost.get("seconds"),
+        "warnings": len(summary.get("warnings", [])), "finished": finished,
+        "failure": "" if finished else failure or summary.get("failure", ""),
+    }  # fmt: skip
+
+
+def found(summary: dict) -> dict:
+    """What a run found, None where it found nothing.
+
+    Returns
+    -------
+    P, T, N after filling, their extreme in flow and their residual [N/m]; wall friction angle [deg] at the same times;
+    largest wall normal stress of all states away from the corner, at a node and as a pressure cell reads it [Pa], and
+    the largest factor of it to that after filling; flow pattern, and the share of sand that stands still; sand that has
+    left [kg/m].
+
+    """
+    filling, peak, residual = (summary.get(key, {}) for key in ("filling", "peak", "residual"))
+    cells = {}
     for force, (key, words, extreme) in FORCES.items():
         cells[f"{force}_filled_N_per_m"] = filling.get(key)
         cells[f"{force}_{words}_N_per_m"] = peak.get(f"{extreme}_{key}", {}).get("value")
@@ -39,20 +59,19 @@ def row(name: str, run: Run, paths: list[str], failure: str = "") -> dict:
     cells[f"filled_{ANGLE}"] = filling.get(ANGLE)
     cells[f"largest_{ANGLE}"] = peak.get(f"max_{ANGLE}", {}).get("value")
     cells[f"residual_{ANGLE}"] = residual.get(ANGLE)
-    stresses = found.get("largest_wall_normal_stress_Pa", {}).values()
+    stresses = summary.get("largest_wall_normal_stress_Pa", {}).values()
     for kind in ("node", "pressure_cell"):
         known = [state[kind] for state in stresses if state.get(kind) is not None]
         cells[f"largest_wall_normal_stress_{kind}_Pa"] = max(known, default=None)
-    cost = found.get("cost", {})
-    cells |= {"points": run.scene.points, "steps": cost.get("steps"), "core_seconds": cost.get("seconds")}
-    finished = found.get("finished", False) and not failure
-    cells |= {"warnings": len(found.get("warnings", [])), "finished": finished}
-    return cells | {"failure": "" if finished else failure or found.get("failure", "")}
+    cells["largest_overpressure"] = summary.get("largest_overpressure", {}).get("factor")
+    pattern = summary.get("flow_pattern", {})
+    cells |= {"flow_pattern": pattern.get("kind"), "stagnant_area_share": pattern.get("stagnant_area_share")}
+    return cells | {"discharged_kg_per_m": summary.get("ledger", {}).get("discharged_kg_per_m")}
 
 
-def leave(file: Path, runs: dict[str, Run], paths: list[str], failures: dict[str, str]) -> pd.DataFrame:
-    """Write the table of all runs, in one piece or not at all, and return it."""
-    table = pd.DataFrame([row(name, run, paths, failures.get(name, "")) for name, run in runs.items()])
+def leave(file: Path, rows: Iterable[dict]) -> pd.DataFrame:
+    """Write the table, in one piece or not at all, and return it."""
+    table = pd.DataFrame(list(rows))
     temporary = file.with_name(file.name + ".part")
     table.to_csv(temporary, index=False, float_format="%.6g")
     temporary.replace(file)

@@ -1,6 +1,7 @@
 """Which scenes a batch has: files, each with every combination of the variations; each under a readable name."""
 
 import itertools
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ from taichi_silo.faults import BadInput
 from taichi_silo.folder import MADE, parameters
 from taichi_silo.scene import Machine, Scene
 from taichi_silo.scene_file import read_scene
-from taichi_silo.settings import OUTSIDE, changed, known, value
+from taichi_silo.settings import OUTSIDE, changed, default, hint, known
 from taichi_silo.table import one_sentence
 
 SAND = "sand"  # a path of its own: all constants of a sand by its name
@@ -28,10 +29,34 @@ UNITS = re.compile(r"_(m_per_s2?|kg_per_m3|deg|Pa|m|s)$")
 
 @dataclass(frozen=True)
 class Variation:
-    """A dotted path of the scene, and the words for its values as they were given."""
+    """A dotted path of the scene, and its values: the words of a command line, or what a TOML file holds."""
 
     path: str
-    words: tuple[str, ...]
+    values: tuple
+
+    def __post_init__(self):
+        refuse(self.path)
+        words = [as_word(value) for value in self.values]
+        twice = [word for word in words if words.count(word) > 1]
+        if twice:
+            raise BadInput(f"{self.path} varies; the value {twice[0]} is there twice")
+        if not words:
+            raise BadInput(f"{self.path} varies; it must have a value")
+
+
+def refuse(path: str) -> None:
+    """Refuse a path that cannot vary.
+
+    Raises
+    ------
+    BadInput
+        if the scene has no such path, or its value is not for that.
+
+    """
+    if path in REFUSED:
+        raise BadInput(f"{path} varies; {REFUSED[path]}")
+    if path != SAND and (not known(path) or path in OUTSIDE):
+        raise BadInput(f"{path} varies; a scene has no such value{hint(path) or ', every one is in a run.toml'}")
 
 
 def variation(text: str) -> Variation:
@@ -47,14 +72,18 @@ def variation(text: str) -> Variation:
     path, words = path.strip(), tuple(word.strip() for word in listed.split(","))
     if not equals or not path or not all(words):
         raise BadInput(f"vary is {text}; it must be PATH=V1,V2,..., such as flow.speed_m_per_s=0.002,0.005")
-    if path in REFUSED:
-        raise BadInput(f"vary is {text}; {REFUSED[path]}")
-    if path != SAND and (not known(path) or path in OUTSIDE):
-        raise BadInput(f"vary is {text}; a scene has no value {path}, every one is in the run.toml of a run")
-    twice = [word for word in words if words.count(word) > 1]
-    if twice:
-        raise BadInput(f"vary is {text}; the value {twice[0]} is there twice")
     return Variation(path, words)
+
+
+def as_word(value) -> str:
+    """A value as a name shows it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "+".join(f"{name}-{as_word(inner)}" for name, inner in value.items()) or "default"
+    if isinstance(value, list | tuple):
+        return "+".join(map(as_word, value)) or "none"
+    return Path(value).stem if str(value).lower().endswith(".toml") else str(value)
 
 
 def bases(files: list[Path]) -> dict[str, Scene]:
@@ -78,54 +107,78 @@ def bases(files: list[Path]) -> dict[str, Scene]:
     return found
 
 
-def scenes(base: dict[str, Scene], variations: list[Variation]) -> dict[str, Scene]:
-    """Every base with every combination of the variations, by a name that says what was varied.
+def product(variations: list[Variation]) -> dict[str, dict]:
+    """Every combination of the variations, by a name that says what was varied: the values by their paths.
 
     Raises
     ------
     BadInput
-        if a combination is not possible, a path is varied twice, a name is too long, or the runs are too many.
+        if the combinations are too many, or two have one name.
 
     """
     paths = [one.path for one in variations]
-    for path in paths:
-        if paths.count(path) > 1:
-            raise BadInput(f"vary is given twice for {path}; it must name all its values at once")
-    count = len(base)
-    for one in variations:
-        count *= len(one.words)
-    if count > MOST_RUNS:
-        raise BadInput(f"the variations make {count} runs; at most {MOST_RUNS} are allowed")
+    _few(math.prod(len(one.values) for one in variations))
+    settings = [dict(zip(paths, values, strict=True)) for values in itertools.product(*(v.values for v in variations))]
+    found = {_name(setting): setting for setting in settings}
+    if len(found) < len(settings):
+        raise BadInput("two runs would have one name; give the files that are varied other names")
+    return found
+
+
+def scenes(base: dict[str, Scene], settings: dict[str, dict]) -> dict[str, Scene]:
+    """Every base with each of the settings, by both names.
+
+    Raises
+    ------
+    BadInput
+        if a setting is not possible, a name is too long, or the runs are too many.
+
+    """
+    _few(len(base) * len(settings))
     found = {}
     for start, scene in base.items():
-        for words in itertools.product(*(one.words for one in variations)):
-            setting = dict(zip(paths, words, strict=True))
-            name = _name(start, setting)
+        for words, setting in settings.items():
+            name = "_".join(filter(None, (start, words))) or "default"
             if len(name) > LONGEST_NAME:
                 raise BadInput(f"folder {name} has {len(name)} letters; at most {LONGEST_NAME} are allowed, vary less")
             if name in found:
                 raise BadInput(f"two runs would be called {name}; give their files other names")
-            found[name] = _scene(scene, setting, start)
+            found[name] = made(scene, setting, start)
     return found
 
 
-def differences(found: dict[str, Scene], variations: list[Variation]) -> list[str]:
-    """Dotted paths in which the scenes differ or that were asked for, each once: the columns of the table."""
+def _few(count: int) -> None:
+    if count > MOST_RUNS:
+        raise BadInput(f"the variations make {count} runs; at most {MOST_RUNS} are allowed")
+
+
+def differences(found: dict[str, Scene], varied: list[str]) -> list[str]:
+    """Dotted paths that varied or in which the scenes differ, each once: the columns of the table."""
     flat = [_flat(parameters(scene)) for scene in found.values()]
-    asked = [one.path if one.path != SAND else "sand.name" for one in variations]
-    paths = dict.fromkeys([*asked, *(path for tables in flat for path in tables)])
-    return [path for path in paths if path in asked or len({str(tables.get(path)) for tables in flat}) > 1]
+    paths = dict.fromkeys(path for tables in flat for path in tables)
+    asked = dict.fromkeys(path if path != SAND else "sand.name" for path in varied)
+    asked = [path for path in asked if not any(inner.startswith(f"{path}.") for inner in paths)]  # no whole tables
+    others = [path for path in paths if path not in asked]
+    return asked + [path for path in others if len({str(tables.get(path)) for tables in flat}) > 1]
 
 
-def used(scene: Scene, path: str):
-    """What a scene uses at a dotted path; None where it has nothing."""
-    return _flat(parameters(scene)).get(path)
+def used(scene: Scene, paths: list[str]) -> dict:
+    """What a scene uses at dotted paths; None where it has nothing."""
+    tables = _flat(parameters(scene))
+    return {path: tables.get(path) for path in paths}
 
 
-def _scene(base: Scene, setting: dict[str, str], start: str) -> Scene:
+def made(base: Scene, setting: dict, start: str = "") -> Scene:
+    """A scene with values at dotted paths, and a sand by its name.
+
+    Raises
+    ------
+    BadInput
+        if they are not possible; it tells all of them, after the name `start`.
+
+    """
     try:
-        rest = {path: word if word != DEFAULT else value(Scene(), path) for path, word in setting.items()
-                if path != SAND}  # fmt: skip
+        rest = {path: value if value != DEFAULT else default(path) for path, value in setting.items() if path != SAND}
         if SAND in setting:
             own = sands.sand(setting[SAND], _number(rest.get("sand.void_ratio", base.sand.void_ratio)),
                              law=base.sand.law, intergranular=base.sand.intergranular)  # fmt: skip
@@ -133,7 +186,8 @@ def _scene(base: Scene, setting: dict[str, str], start: str) -> Scene:
         return changed(base, rest)
     except (ValidationError, ValueError) as error:
         sentence = one_sentence(error) if isinstance(error, ValidationError) else str(error)
-        where = " ".join([*([start] if start else []), *(f"{path}={word}" for path, word in setting.items())])
+        given = (f"{path}={as_word(value)}" for path, value in setting.items())
+        where = " ".join([*([start] if start else []), *given])
         raise BadInput(f"{where}: {sentence}" if where else sentence) from error
 
 
@@ -144,21 +198,22 @@ def _number(word: str | float) -> float:
         raise BadInput(f"void ratio is {word}; it must be a number") from error
 
 
-def _name(start: str, setting: dict[str, str]) -> str:
-    """Of a run and its folder: the file, and each varied value after the last word of its path, without its unit."""
-    lasts = [path.split(".")[-1] for path in setting]
-    parts = [start] if start else []
-    for path, word in setting.items():
+def _name(setting: dict) -> str:
+    """Each varied value after the last word of its path, without its unit."""
+    lasts, parts = [path.split(".")[-1] for path in setting], []
+    for path, value in setting.items():
         last = path.split(".")[-1]
-        short = path.split(".")[0] if last == "kind" else UNITS.sub("", last)
+        short = path.split(".")[-2] if last == "kind" else UNITS.sub("", last)
         if lasts.count(last) > 1:
             short = path
-        parts.append(f"{short}-{re.sub(r'[^A-Za-z0-9.+-]', '-', word)}")
-    return "_".join(parts) or "default"
+        parts.append(f"{short}-{re.sub(r'[^A-Za-z0-9.+-]', '-', as_word(value))}")
+    return "_".join(parts)
 
 
 def _flat(tables: dict, before: str = "") -> dict:
     found = {}
     for name, inner in tables.items():
-        found |= _flat(inner, f"{before}{name}.") if isinstance(inner, dict) else {before + name: inner}
+        if isinstance(inner, tuple | list) and inner and isinstance(inner[0], dict):
+            inner = dict(enumerate(inner))
+        found |= _flat(inner, f"{before}{name}.") if isinstance(inner, dict) else {f"{before}{name}": inner}
     return {path: inner for path, inner in found.items() if not path.startswith("machine.threads")}

@@ -6,12 +6,12 @@ import math
 import time
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pandas as pd
 from matplotlib import rc_context
 from rich.console import Console
 
+from taichi_silo import vtu
 from taichi_silo.biaxial.compression import Biaxial
 from taichi_silo.biaxial.scene import BiaxialScene
 from taichi_silo.faults import RunFailed
@@ -96,14 +96,11 @@ def _write(folder: Path, test: Biaxial, rows: list, seconds: float, failure, fin
     curve.to_csv(folder / "curve.csv", index=False, float_format="%.9g")
     np.savez_compressed(folder / "points.npz", **points)
     count = len(points["mass"])
-    mesh = meshio.Mesh(
-        np.column_stack([points["position"], np.zeros(count)]), [("vertex", np.arange(count)[:, None])],
-        point_data={
-            "void_ratio": points["void_ratio"], "strain_path": points["path"], "stress_Pa": points["stress"],
-            "velocity": np.column_stack([points["velocity"], np.zeros(count)]),
-        },
-    )  # fmt: skip
-    mesh.write(folder / "points.vtu", file_format="vtu")
+    arrays = {
+        "void_ratio": points["void_ratio"], "strain_path": points["path"], "stress_Pa": points["stress"],
+        "velocity": vtu.spatial(points["velocity"]),
+    }  # fmt: skip
+    vtu.write(folder / "points.vtu", vtu.spatial(points["position"]), arrays)
     band = band_of(points, scene) if failure is None and np.isfinite(points["stress"]).all() else None
     steps = test.specimen.steps
     summary = {

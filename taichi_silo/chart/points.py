@@ -18,6 +18,7 @@ import pandas as pd
 
 from taichi_silo import runtime
 from taichi_silo.chart.curves import Curves, WallProfile
+from taichi_silo.child import given
 from taichi_silo.cost import predict
 from taichi_silo.faults import RunFailed
 from taichi_silo.measure.certificate import certificate
@@ -25,7 +26,6 @@ from taichi_silo.measure.shear_zones import wall_zone_thickness_m
 from taichi_silo.observers import Observer
 from taichi_silo.observers.guard import Guard
 from taichi_silo.observers.watch import Watch
-from taichi_silo.processes import given
 from taichi_silo.scene import Machine, Scene
 from taichi_silo.settings import OUTSIDE, changed
 from taichi_silo.simulation import Simulation

@@ -8,22 +8,24 @@ from typing import NamedTuple
 import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from PIL import Image, ImageDraw, ImageFont
 
-WIDTH, HEIGHT = 1920, 1080
-COLOUR_MAP = "viridis"
+from taichi_silo.fields import Scale
+from taichi_silo.observers.colour_bar import draw_scale
+from taichi_silo.observers.strokes import blend, stroke
+
+SIZE = (1920, 1080)  # of the page as it is laid out; others are scaled, and stand in the middle of what is left white
 INK, GREY = (34, 34, 34), (105, 105, 105)
+BACKGROUND, MISSING = (243, 243, 243), (190, 190, 190)  # no sand; sand without a value
 # Okabe-Ito colours, told apart by colour-blind viewers
 FORCES = (
     ("P", "bottom", (0, 114, 178)),
     ("T", "wall friction", (213, 94, 0)),
     ("N", "wall normal", (0, 158, 115)),
 )
-WALL = 10  # thickness of a drawn wall, pixels
+WALL = 10  # thickness of a drawn wall
 RIGHT = 1835  # right end of the force axes; beyond it only the labels of the curves
 FONTS = Path(matplotlib.get_data_path()) / "fonts" / "ttf"
 
@@ -41,38 +43,15 @@ class Box(NamedTuple):
         """Index of the rectangle in an image array (rows, columns, 3)."""
         return slice(self.top, self.top + self.rows), slice(self.left, self.left + self.columns)
 
-    @property
-    def fractions(self) -> tuple[float, float, float, float]:
-        """Left, bottom, width and height in fractions of the page, as matplotlib counts them."""
-        bottom = HEIGHT - self.top - self.rows
-        return self.left / WIDTH, bottom / HEIGHT, self.columns / WIDTH, self.rows / HEIGHT
+    def fractions(self, size: tuple[int, int]) -> tuple[float, float, float, float]:
+        """Left, bottom, width and height in fractions of a page of this size, as matplotlib counts them."""
+        bottom = size[1] - self.top - self.rows
+        return self.left / size[0], bottom / size[1], self.columns / size[0], self.rows / size[1]
 
 
-def font(size: int, bold: bool = False) -> ImageFont.FreeTypeFont:
+def font(size: float, bold: bool = False) -> ImageFont.FreeTypeFont:
     """Return matplotlib's bundled DejaVu Sans, `size` in pixels."""
     return ImageFont.truetype(str(FONTS / ("DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf")), size)
-
-
-def stroke(shape: tuple[int, int], start: np.ndarray, end: np.ndarray, half_width: float):
-    """Return the window (two slices) of an image and a round-ended line's smooth coverage (0 to 1) in it.
-
-    `shape` is (rows, columns); `start` and `end` are (x, y) in pixels. Equal ends give a disc.
-    """
-    low = np.floor(np.minimum(start, end) - half_width - 1).astype(int)
-    high = np.ceil(np.maximum(start, end) + half_width + 2).astype(int)
-    (x0, y0), (x1, y1) = np.clip(low, 0, shape[::-1]), np.clip(high, 0, shape[::-1])
-    y, x = np.ogrid[y0:y1, x0:x1]
-    along = end - start
-    share = ((x - start[0]) * along[0] + (y - start[1]) * along[1]) / max(along @ along, 1e-12)
-    share = np.clip(share, 0.0, 1.0)
-    distance = np.hypot(x - start[0] - share * along[0], y - start[1] - share * along[1])
-    return (slice(y0, y1), slice(x0, x1)), np.clip(half_width + 0.5 - distance, 0.0, 1.0).astype(np.float32)
-
-
-def blend(image: np.ndarray, coverage: np.ndarray, colour: tuple[int, int, int]) -> None:
-    """Lay `colour` over `image` (rows, columns, 3) of bytes, weighted by `coverage` (rows, columns)."""
-    weight = coverage[..., None]
-    image[...] = np.rint(image * (1 - weight) + weight * np.asarray(colour, np.float32)).astype(np.uint8)
 
 
 class Course(NamedTuple):
@@ -95,11 +74,11 @@ class Course(NamedTuple):
 
 
 class Canvas:
-    """Lays out a 1920x1080 page for one silo and keeps its force curves; lengths in m, forces in N/m.
+    """Lays out a page for one silo and keeps its force curves; lengths in m, forces in N/m.
 
     `panel` is the Box where the sand goes: exactly wall to wall, its top row at height `top_m`, the same
     `pixels_per_metre` along both axes, and deep enough for the bottom plate when it has sunk by `sinks_m` (the final
-    displacement if absent).
+    displacement if absent). Lengths on the page are those of 1920 columns and 1080 rows, times `zoom`.
     """
 
     def __init__(
@@ -108,23 +87,27 @@ class Canvas:
         height_m: float,
         displacement_m: float,
         weight_N_per_m: float,
-        void_ratio_range: tuple[float, float],
+        scale: Scale,
         title: str,
         course: Course | None = None,
         sinks_m: float | None = None,
+        size: tuple[int, int] = SIZE,
     ):
-        self.course = course or Course(displacement_m)
+        self.size, self.course = size, course or Course(displacement_m)
+        self.zoom = min(size[0] / SIZE[0], size[1] / SIZE[1])
+        self.corner = [round(0.5 * (have - self.zoom * need)) for have, need in zip(size, SIZE, strict=True)]
         self.top_force = 1.1 * weight_N_per_m
         self.plate_m = 0.02 * max(height_m, width_m)
         self.top_m = 1.015 * height_m
         depth = self.top_m + (displacement_m if sinks_m is None else sinks_m) + self.plate_m
-        columns = max(1, round(width_m * min(870 / depth, 480 / width_m)))
+        columns = self._long(width_m * min(870 / depth, 480 / width_m))
         self.pixels_per_metre = columns / width_m
         rows = max(1, round(depth * self.pixels_per_metre))
-        self.panel = Box(170, 545 - rows // 2, columns, rows)
-        left = self.panel.left + columns + 385
-        self.plot = Box(left, 310, RIGHT - left, 670)
-        self.background = self._furniture(width_m, weight_N_per_m, void_ratio_range, title)
+        self.panel = Box(self._x(170), self._y(545) - rows // 2, columns, rows)
+        left = self.panel.left + columns + self._long(385)
+        self.plot = Box(left, self._y(310), self._x(RIGHT) - left, self._long(670))
+        self._value_font = font(36 * self.zoom, bold=True)
+        self.background = self._furniture(width_m, weight_N_per_m, scale, title)
         self._bare_plot = self.background[self.plot.slices].copy()
         self._coverage = np.zeros((len(FORCES), self.plot.rows, self.plot.columns), np.float32)
         self._drawn: np.ndarray | None = None  # (3, 2) where each curve ends so far, pixels of the plot
@@ -133,39 +116,44 @@ class Canvas:
         # four digits at most: the readings must fit their columns
         self._decimals = int(np.clip(3 - np.floor(np.log10(1e-3 * weight_N_per_m)), 0, 3))
 
-    def _furniture(self, width_m, weight, void_ratio_range, title) -> np.ndarray:
-        """Draw all that never changes; return the page (1080, 1920, 3) of bytes."""
+    def _long(self, length: float) -> int:
+        """A length of the layout in pixels."""
+        return max(1, round(self.zoom * length))
+
+    def _x(self, place: float) -> int:
+        return self.corner[0] + round(self.zoom * place)
+
+    def _y(self, place: float) -> int:
+        return self.corner[1] + round(self.zoom * place)
+
+    def _furniture(self, width_m, weight, scale, title) -> np.ndarray:
+        """Draw all that never changes; return the page (rows, columns, 3) of bytes."""
         panel, plot = self.panel, self.plot
-        # 72 dots per inch: one matplotlib point is one pixel
-        figure = Figure(figsize=(WIDTH / 72, HEIGHT / 72), dpi=72, facecolor="white")
+        dots = 72 * self.zoom  # to the inch: one point of matplotlib is one pixel of the layout
+        figure = Figure(figsize=(self.size[0] / dots, self.size[1] / dots), dpi=dots, facecolor="white")
         canvas = FigureCanvasAgg(figure)
         ink = tuple(channel / 255 for channel in INK)
         look = {"labelsize": 26, "length": 8, "width": 2, "color": ink, "labelcolor": ink}
 
-        silo = figure.add_axes(panel.fractions)
+        silo = figure.add_axes(panel.fractions(self.size))
         bottom_m = self.top_m - panel.rows / self.pixels_per_metre
         silo.set(xlim=(0, 1e3 * width_m), ylim=(1e3 * bottom_m, 1e3 * self.top_m), facecolor="#f3f3f3")
         silo.set_xlabel("x (mm)", fontsize=28, color=ink)
         silo.set_ylabel("y (mm)", fontsize=28, color=ink)
-        silo.xaxis.set_major_locator(MaxNLocator(min(4, 1 + panel.columns // 100), steps=[1, 2, 5, 10]))
+        wide = round(panel.columns / self.zoom)
+        silo.xaxis.set_major_locator(MaxNLocator(min(4, 1 + wide // 100), steps=[1, 2, 5, 10]))
         silo.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         silo.spines[:].set_visible(False)
         for side in ("left", "bottom"):
             silo.spines[side].set_position(("outward", WALL))
         silo.tick_params(**look)
 
-        rows = max(round(0.62 * panel.rows), 300)
-        bar_box = Box(panel.left + panel.columns + 70, panel.top + (panel.rows - rows) // 2, 36, rows)
-        colours = ScalarMappable(Normalize(*void_ratio_range), COLOUR_MAP)
-        bar = figure.colorbar(colours, cax=figure.add_axes(bar_box.fractions))
-        bar.set_label("void ratio e", fontsize=30, color=ink, labelpad=12)
-        bar.locator = MaxNLocator(6, steps=[1, 2, 5, 10])
-        bar.outline.set_visible(False)
-        bar.ax.tick_params(**look)
-        for height, word, align in ((1.02, "loose", "bottom"), (-0.02, "dense", "top")):
-            bar.ax.text(0.5, height, word, transform=bar.ax.transAxes, fontsize=26, ha="center", va=align)
+        rows = max(round(0.62 * panel.rows), self._long(300))
+        top = panel.top + (panel.rows - rows) // 2
+        bar = Box(panel.left + panel.columns + self._long(70), top, self._long(36), rows)
+        draw_scale(figure.add_axes(bar.fractions(self.size)), scale, look, np.array(MISSING) / 255)
 
-        forces = figure.add_axes(plot.fractions)
+        forces = figure.add_axes(plot.fractions(self.size))
         forces.set(xlim=(0, self.course.scale * self.course.end), ylim=(0, 1e-3 * self.top_force))
         forces.set_xlabel(self.course.label, fontsize=28, color=ink)
         forces.set_ylabel("force per metre (kN/m)", fontsize=30, color=ink, labelpad=12)
@@ -183,8 +171,9 @@ class Canvas:
         canvas.draw()
 
         page = np.asarray(canvas.buffer_rgba())[..., :3].copy()
-        for wall in (panel.left - WALL, panel.left + panel.columns):
-            page[panel.top : panel.top + panel.rows, wall : wall + WALL] = INK
+        wall = self._long(WALL)
+        for left in (panel.left - wall, panel.left + panel.columns):
+            page[panel.top : panel.top + panel.rows, left : left + wall] = INK
         return self._captions(page, title)
 
     def _captions(self, page: np.ndarray, title: str) -> np.ndarray:
@@ -192,19 +181,19 @@ class Canvas:
         image = Image.fromarray(page)
         draw = ImageDraw.Draw(image)
         size = 42
-        while size > 24 and draw.textlength(title, font(size, bold=True)) > WIDTH - 120:
+        while size > 24 and draw.textlength(title, font(size * self.zoom, bold=True)) > self.zoom * (SIZE[0] - 120):
             size -= 1
-        draw.text((60, 50), title, INK, font(size, bold=True), anchor="lm")
-        self._readings = [(x, y) for y in (166, 266) for x in self._columns()]
+        draw.text((self._x(60), self._y(50)), title, INK, font(size * self.zoom, bold=True), anchor="lm")
+        self._readings = [(x, self._y(y)) for y in (166, 266) for x in self._columns()]
         captions = [("stage", GREY), ("time", GREY), (self.course.caption, GREY)]
         captions += [(f"{letter}  {name}", colour) for letter, name, colour in FORCES]
         for (x, y), (caption, colour) in zip(self._readings, captions, strict=True):
-            draw.text((x, y - 40), caption, colour, font(27), anchor="ls")
+            draw.text((x, y - self._long(40)), caption, colour, font(27 * self.zoom), anchor="ls")
         return np.array(image)
 
     def _columns(self) -> list[int]:
         """Left ends of the three columns of readings, pixels."""
-        return [self.plot.left + round(k * (RIGHT - self.plot.left) / 3) for k in range(3)]
+        return [self.plot.left + round(k * (self._x(RIGHT) - self.plot.left) / 3) for k in range(3)]
 
     def add_forces(self, progress: float, forces_N_per_m: np.ndarray) -> None:
         """Extend the three curves to a new row: P, T, N, shape (3,), N/m, at a place of the course (m or s).
@@ -223,7 +212,7 @@ class Canvas:
             self._drawn = self._tip.copy()
             return
         for k in np.flatnonzero(np.hypot(*(self._tip - self._drawn).T) >= 1.0):
-            window, cover = stroke(self._coverage.shape[1:], self._drawn[k], self._tip[k], 2.75)
+            window, cover = stroke(self._coverage.shape[1:], self._drawn[k], self._tip[k], 2.75 * self.zoom)
             layer = self._coverage[k][window]
             np.maximum(layer, cover, out=layer)
             # repaint the window from the bare plot, so that smooth edges do not darken where strokes overlap
@@ -234,24 +223,22 @@ class Canvas:
             self._drawn[k] = self._tip[k]
 
     def page(self, time_s: float, stage: str, progress: float) -> np.ndarray:
-        """Return a new frame (1080, 1920, 3) of bytes, all but the sand; time in s, displacement in m."""
+        """Return a new frame (rows, columns, 3) of bytes, all but the sand; time in s, displacement in m."""
         frame = self.background.copy()
         course = self.course
         texts = [stage, f"{time_s:.3f} s", f"{course.scale * progress:.{course.digits}f} {course.unit}"]
         for force in self._forces:
             texts.append(f"{1e-3 * force:.{self._decimals}f} kN/m" if np.isfinite(force) else "–")
-        corner, opposite = (self.plot.left, 130), (WIDTH, 280)
-        band = frame[corner[1] : opposite[1], corner[0] : opposite[0]]
+        left, top = self.plot.left, self._y(130)
+        band = frame[top : self._y(280), left : self._x(SIZE[0])]
         image = Image.fromarray(band)
         draw = ImageDraw.Draw(image)
         for (x, y), text in zip(self._readings, texts, strict=True):
-            draw.text((x - corner[0], y - corner[1]), text, INK, self._value_font, anchor="ls")
+            draw.text((x - left, y - top), text, INK, self._value_font, anchor="ls")
         band[...] = np.asarray(image)
         if self._tip is not None:
             self._mark_tips(frame)
         return frame
-
-    _value_font = font(36, bold=True)
 
     def _mark_tips(self, frame: np.ndarray) -> None:
         """Put a dot with the curve's letter at each newest point, the letters kept apart from each other."""
@@ -259,21 +246,21 @@ class Canvas:
         tips[:, 1] = np.clip(tips[:, 1], self.plot.top, self.plot.top + self.plot.rows - 1)
         for tip, (_, _, colour) in zip(tips, FORCES, strict=True):
             for radius, fill in ((11.0, (255, 255, 255)), (8.0, colour)):
-                window, cover = stroke((HEIGHT, WIDTH), tip, tip, radius)
+                window, cover = stroke(frame.shape[:2], tip, tip, radius * self.zoom)
                 blend(frame[window], cover, fill)
         order = np.argsort(tips[:, 1])
-        gap = 36
+        gap, room = self._long(36), self._long(30)
         heights = tips[order, 1]
         heights[1] = max(heights[1], heights[0] + gap)
         heights[2] = max(heights[2], heights[1] + gap)
         heights += np.mean(tips[order, 1] - heights)  # spread to both sides of the crowded points
-        left = round(tips[0, 0]) + 16
-        top = int(np.clip(heights[0] - 30, 0, HEIGHT - 60))
-        strip = frame[top : min(HEIGHT, int(heights[2]) + 30), left : left + 50]
+        left = round(tips[0, 0]) + self._long(16)
+        top = int(np.clip(heights[0] - room, 0, frame.shape[0] - 2 * room))
+        strip = frame[top : min(frame.shape[0], int(heights[2]) + room), left : left + self._long(50)]
         image = Image.fromarray(strip)
         draw = ImageDraw.Draw(image)
         for height, k in zip(heights, order, strict=True):
             letter, _, colour = FORCES[k]
-            where = (4, height - top)
-            draw.text(where, letter, colour, self._value_font, "lm", stroke_width=3, stroke_fill="white")
+            where = (self._long(4), height - top)
+            draw.text(where, letter, colour, self._value_font, "lm", stroke_width=self._long(3), stroke_fill="white")
         strip[...] = np.asarray(image)

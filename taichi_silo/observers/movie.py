@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
+from taichi_silo.fields import FIELDS
 from taichi_silo.observers import Observer
-from taichi_silo.observers.canvas import Course
 from taichi_silo.observers.film import Film
+from taichi_silo.observers.scenery import course_of, picture
 
-FRAMES_PER_SECOND = 30
 FLOW_FRAMES, FILLING_FRAMES = 405, 45  # 15 s
 
 
@@ -24,20 +24,8 @@ class Movie(Observer):
         settling = 10.0 * simulation.period  # an estimate; a longer rest adds no frames
         self.filling_span = simulation.filling_time + settling
         self.drawn, self.curves = {"filling": 0, "flow": 0}, []
-        self.course = course(scene)
-        self.film = Film(
-            self.file,
-            width_m=scene.silo.width_m,
-            height_m=scene.silo.height_m,
-            displacement_m=scene.flow.displacement_m,
-            spacing_m=simulation.spacing,
-            weight_N_per_m=scene.weight_N_per_m,
-            void_ratio_range=void_ratio_range(scene),
-            title=title(scene),
-            frames_per_second=FRAMES_PER_SECOND,
-            course=self.course,
-            solids=None if scene.silo.sinks else floors(scene.silo) + scene.silo.solids(),
-        )
+        self.course = course_of(scene)
+        self.film = Film(self.file, picture(scene, FIELDS["void_ratio"].scaled(scene, np.zeros(0))))
 
     def state(self) -> dict:
         """The curves, how many frames are drawn, and the pieces of film that hold them."""
@@ -78,37 +66,3 @@ class Movie(Observer):
     def end(self) -> None:
         """Join the film, also a short one; its pieces stay, for a run that goes on."""
         self.film.segments.close(keep=True)
-
-
-def course(scene) -> Course:
-    """What the curves are drawn against."""
-    if scene.flow.outflow == "gravity":
-        return Course(scene.flow.longest_s, "time since the outlet opened (s)", "open since", "s", 1.0)
-    if scene.silo.sinks:
-        return Course(scene.flow.displacement_m)
-    return Course(scene.flow.displacement_m, "displacement u of the outlet (mm)")
-
-
-def floors(silo) -> list[np.ndarray]:
-    """Outlines of the floor beside the outlet [m]."""
-    left, right = silo.outlet_m
-    deep = -0.1 * silo.height_m
-    spans = ((0.0, left), (right, silo.width_m))
-    return [np.array([[a, 0.0], [b, 0.0], [b, deep], [a, deep]]) for a, b in spans if b > a]
-
-
-def void_ratio_range(scene) -> tuple[float, float]:
-    """Ends of the colours: from the initial to the critical void ratio, and a little beyond."""
-    low, high = sorted((scene.sand.void_ratio, scene.sand.e_c0))
-    margin = max(0.1 * (high - low), 0.02)
-    return low - margin, high + margin
-
-
-def title(scene) -> str:
-    """What is seen."""
-    walls = "very rough walls"
-    if scene.walls.kind == "smooth":
-        walls = f"smooth walls ({scene.wall_friction_angle_deg:g}°)"
-    silo = scene.silo.words()
-    words = [f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}", walls, silo]
-    return ", ".join(word for word in words if word)

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from taichi_silo.grid import MARGIN
-from taichi_silo.measure.overpressure import largest_overpressure
+from taichi_silo.measure.overpressure import CORNER_M, largest_overpressure
+from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
 from taichi_silo.observers import Observer
 from taichi_silo.placing import BOTTOM, LEFT, RIGHT
 from taichi_silo.record import packed, unpacked
@@ -132,6 +133,29 @@ class WallProfiles(Observer):
                 "after_filling_Pa": found.filling_stress_Pa,
             }
         }
+
+    def largest_in_flow(self) -> dict:
+        """The largest normal stress on a vertical wall of all means of flow, as a pressure cell reads it, if any.
+
+        Without the corner; `height_m` is above the initial bottom.
+        """
+        scene, rows, found = self.simulation.scene, self.simulation.grid.rows, {}
+        for time, sunk, displacement, profile in self.history:
+            for (wall, sign), name in zip(SIDES, ("left", "right"), strict=True):
+                height, stress = wall_stress(profile[wall, :rows], scene.grid.cell_size_m, closed=False)
+                above = height >= scene.silo.transition_m - 1e-9
+                height, stress = height[above], sign * stress[above, 0]
+                read = cell_mean(height, stress)
+                clear = np.flatnonzero(height > height.min(initial=np.inf) + CORNER_M + 0.5 * CELL_M)
+                if not len(clear):  # hardly any vertical wall above a hopper
+                    continue
+                k = clear[np.argmax(read[clear])]
+                if read[k] > found.get("normal_stress_Pa", 0.0):
+                    found = {
+                        "normal_stress_Pa": float(read[k]), "wall": name, "height_m": float(height[k] - sunk),
+                        "time_s": time, "displacement_m": displacement, "node_Pa": float(stress[clear].max()),
+                    }  # fmt: skip
+        return {"largest_wall_normal_stress_in_flow": found} if found else {}
 
 
 def surface_stress(simulation, number: int, force: np.ndarray):

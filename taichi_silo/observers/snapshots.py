@@ -1,30 +1,30 @@
-"""Snapshots of the state of all points, which ParaView opens."""
+"""Snapshots of the state of all points, which ParaView opens, and from which films are drawn afterwards."""
 
 import csv
 from pathlib import Path
 
-import meshio
-import numpy as np
-
-from taichi_silo import durable
+from taichi_silo import durable, snapshot
 from taichi_silo.observers import Observer
 
 TOLERANCE = 1e-9  # of a displacement, in metres
+OF_FILLING = 0.1  # as many of the filling as of the flow, times this
 
 
 class Snapshots(Observer):
-    """`snapshots/*.vtu` at wanted bottom displacements, `snapshots/index.csv` and `silo.pvd` that list them.
+    """`snapshots/*.vtu`, and `snapshots/index.csv` and `silo.pvd` that list them.
 
     Parameters
     ----------
     folder : of the run.
     displacements_m : at which to write; the start, the end of filling and the end of the run are always written. Points
         that are not finite are left out.
+    between : how many more to write evenly over the flow, and a tenth as many over the filling; their names begin
+        with `film_`. Even is: in displacement, and where sand falls freely also in time, at most as many of each.
 
     """
 
-    def __init__(self, folder: Path, displacements_m):
-        self.folder = folder / "snapshots"
+    def __init__(self, folder: Path, displacements_m, between: int = 0):
+        self.folder, self.between = folder / "snapshots", between
         self.wanted = sorted(displacements_m)
 
     def begin(self, simulation) -> None:
@@ -33,16 +33,17 @@ class Snapshots(Observer):
         self.folder.mkdir(exist_ok=True)
         for old in self.folder.glob("*.vtu"):
             old.unlink()
-        self.rows = []
+        self.rows, self.due = [], {"filling": 0, "flow": 0}
         self._write("start")
 
     def state(self) -> dict:
         """What is written, and what is still wanted."""
-        return {"rows": self.rows, "wanted": self.wanted}
+        return {"rows": self.rows, "wanted": self.wanted, "due": self.due}
 
     def restore(self, simulation, kept: dict) -> None:
         """Take out what was written later."""
-        self.simulation, self.rows, self.wanted = simulation, kept["rows"], kept["wanted"]
+        self.simulation = simulation
+        self.rows, self.wanted, self.due = kept["rows"], kept["wanted"], kept["due"]
         known = {row["file"] for row in self.rows}
         for file in self.folder.glob("*.vtu"):
             if file.name not in known:
@@ -50,9 +51,25 @@ class Snapshots(Observer):
         self._list()
 
     def observe(self, record) -> None:
-        """Write when a displacement is reached."""
+        """Write when a displacement is reached, or a share of the filling or the flow is over."""
+        due = self._due(record)
+        passed, self.due[record.stage] = due > self.due[record.stage], due
         while record.stage == "flow" and self.wanted and record.displacement_m >= self.wanted[0] - TOLERANCE:
             self._write(f"flow_{1e3 * self.wanted.pop(0):07.3f}mm")
+            passed = False
+        if passed:
+            self._write(f"{snapshot.BETWEEN}{len(self.rows):05d}")
+
+    def _due(self, record) -> int:
+        """How many shares of its stage are over."""
+        simulation = self.simulation
+        if record.stage == "filling":
+            return int(OF_FILLING * self.between * min(record.time_s / simulation.filling_time, 1.0) + TOLERANCE)
+        flow = simulation.scene.flow
+        shares = [record.displacement_m / flow.displacement_m]
+        if flow.outflow == "gravity":
+            shares.append((record.time_s - simulation.flow_start) / flow.longest_s)
+        return sum(int(self.between * share + TOLERANCE) for share in shares)
 
     def filled(self) -> None:
         """Write the state after filling."""
@@ -60,30 +77,14 @@ class Snapshots(Observer):
 
     def end(self) -> None:
         """Write the last state."""
-        if self.simulation.steps > 0 and self.rows[-1]["time_s"] != self.simulation.time:
+        named = [row for row in self.rows if not row["file"].startswith(snapshot.BETWEEN)]
+        if self.simulation.steps > 0 and named[-1]["time_s"] != self.simulation.time:
             self._write("end")
 
     def _write(self, name: str) -> None:
         simulation = self.simulation
-        points = simulation.points()
-        sound = np.all([np.isfinite(values.reshape(len(values), -1)).all(axis=1) for values in points.values()], axis=0)
-        points = {name: values[sound] for name, values in points.items()}
-        count = len(points["mass"])
-        place = np.column_stack([points["position"], np.zeros(count)])
-        xx, yy, zz, xy = points["stress"].T
-        data = {
-            "void_ratio": points["void_ratio"],
-            "velocity": np.column_stack([points["velocity"], np.zeros(count)]),
-            "stress_Pa": np.column_stack([xx, yy, zz, xy]),
-            "mean_stress_Pa": -(xx + yy + zz) / 3.0,
-            "volume_m2_per_m": points["volume"],
-            "mass_kg_per_m": points["mass"],
-            "strain_path": points["path"],
-            "identity": points["identity"],
-        }
-        mesh = meshio.Mesh(place, [("vertex", np.arange(count)[:, None])], point_data=data)
         file = self.folder / f"{name}.vtu"
-        mesh.write(file, file_format="vtu")
+        snapshot.write(file, simulation.points())
         durable.sync(file)
         self.rows.append(
             {
@@ -97,12 +98,18 @@ class Snapshots(Observer):
 
     def _list(self) -> None:
         """Write both lists of what there is."""
-        with open(self.folder / "index.csv", "w", newline="") as stream:
+        with open(self._part("index.csv"), "w", newline="", encoding="utf-8") as stream:
             writer = csv.DictWriter(stream, self.rows[0])
             writer.writeheader()
             writer.writerows(self.rows)
-        entries = "".join(f'<DataSet timestep="{row["time_s"]:.6g}" file="{row["file"]}"/>\n' for row in self.rows)
-        (self.folder / "silo.pvd").write_text(
+        entries = "".join(f'<DataSet timestep="{row["time_s"]:.9g}" file="{row["file"]}"/>\n' for row in self.rows)
+        self._part("silo.pvd").write_text(
             '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"><Collection>\n'
-            f"{entries}</Collection></VTKFile>\n"
+            f"{entries}</Collection></VTKFile>\n",
+            encoding="utf-8",
         )
+        for file in ("index.csv", "silo.pvd"):
+            self._part(file).replace(self.folder / file)
+
+    def _part(self, name: str) -> Path:
+        return self.folder / f"{name}.part"

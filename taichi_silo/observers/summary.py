@@ -102,7 +102,7 @@ class Summary(Observer):
             found["theory"] = theory_of(simulation.scene, angle, ratio)
             found["shear_zones"] = self._zones()
             found["largest_wall_normal_stress_Pa"] = self._wall_stresses()
-            found |= self.profiles.overpressure()
+            found |= self.profiles.overpressure() | self.profiles.largest_in_flow()
         if self.before is not None:
             found |= flow_findings(self.after_filling, self.before, self.mid or self._state(), simulation.scene)
         if simulation.ledger is not None:

@@ -5,13 +5,14 @@ import tomllib
 from functools import cached_property
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pandas as pd
 
+from taichi_silo import vtu
 from taichi_silo.faults import RunFailed
 from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
 from taichi_silo.paper.cases import CASES, Case
+from taichi_silo.snapshot import figured
 
 PERIOD = 10  # rows of forces.csv in one period of the column, over which forces are averaged
 CORNER_M = 0.0125  # above the lowest place: wall stresses there belong to the corner
@@ -31,11 +32,11 @@ class Points:
     """A snapshot: place (n, 2) [m] in the laboratory, void ratio, velocity (n, 2), volume, strain path."""
 
     def __init__(self, file: Path):
-        mesh = meshio.vtu.read(str(file))  # meshio.read ends the program at a broken file
-        self.position = mesh.points[:, :2]
-        self.velocity = mesh.point_data["velocity"][:, :2]
-        names = ("void_ratio", "volume_m2_per_m", "strain_path")
-        self.void_ratio, self.volume, self.path = (np.ravel(mesh.point_data[name]) for name in names)
+        places, arrays = vtu.read(file)
+        self.position = places[:, :2]
+        names = ("velocity", "void_ratio", "volume_m2_per_m", "strain_path")
+        velocity, self.void_ratio, self.volume, self.path = (arrays[name].astype(float) for name in names)
+        self.velocity = velocity[:, :2]
         self.count = len(self.position)
 
 
@@ -169,8 +170,8 @@ class RunFiles:
 
     @cached_property
     def index(self) -> pd.DataFrame:
-        """`snapshots/index.csv`."""
-        return self._read("snapshots/index.csv", pd.read_csv)
+        """`snapshots/index.csv`, less the snapshots that only films need."""
+        return self._read("snapshots/index.csv", lambda file: figured(pd.read_csv(file)))
 
     def points(self, when: str) -> Points:
         """Snapshot "filled", "first" (of flow), "before" (the last but one), or "last"."""

@@ -6,6 +6,7 @@ drawn as far as it went; a figure without any data is left out.
 
 from pathlib import Path
 
+import pandas as pd
 from matplotlib import rc_context
 
 from taichi_silo.plots.batch import batch_figure
@@ -15,12 +16,13 @@ from taichi_silo.plots.forces import (
     run_angle_figure,
     run_forces_figure,
 )
+from taichi_silo.plots.response import response_figure
 from taichi_silo.plots.run_files import RunFiles
 from taichi_silo.plots.style import STYLE
 from taichi_silo.plots.void_ratio import case_void_ratio_figure, run_void_ratio_figure
 from taichi_silo.plots.wall_stress import case_wall_stress_figure, run_wall_stress_figure
 
-__all__ = ["plot_batch", "plot_cases", "plot_run"]
+__all__ = ["plot_batch", "plot_cases", "plot_response", "plot_run"]
 
 RUN_FIGURES = {
     "forces": run_forces_figure,
@@ -71,7 +73,24 @@ def plot_batch(folders: dict[str, Path], target: Path) -> list[Path]:
     target : Path
         Folder of the figure.
     """
-    return _draw({"batch": batch_figure}, [RunFiles.read(folder, name) for name, folder in folders.items()], target)
+    return _draw({"forces": batch_figure}, [RunFiles.read(folder, name) for name, folder in folders.items()], target)
+
+
+def plot_response(table: pd.DataFrame, varied: list[str], response, target: Path) -> list[Path]:
+    """Draw what a sweep found against what varied, and return the path written, if there was anything to draw.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Of all runs.
+    varied : list
+        Its columns of what varied.
+    response :
+        With the column `y`, and `x` and `colour`, if they are wanted.
+    target : Path
+        Folder of the figure.
+    """
+    return _draw({"response": lambda rows: response_figure(rows, varied, response)}, table, target)
 
 
 def _draw(figures, data, target: Path) -> list[Path]:

@@ -1,11 +1,22 @@
 """Forces on bottom and walls, and the wall friction angle, against the bottom displacement (Fig. 10, 11)."""
 
+import textwrap
+
 import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
 from taichi_silo.plots.run_files import by_void_ratio, sand_title
-from taichi_silo.plots.style import BLUE, GREEN, REFERENCE, VERMILLION, line_colors, new_figure, start_at_zero
+from taichi_silo.plots.style import (
+    BLUE,
+    GREEN,
+    REFERENCE,
+    VERMILLION,
+    line_colors,
+    new_figure,
+    put_title,
+    start_at_zero,
+)
 
 SMOOTHING = 0.005  # window of the median lines, as a fraction of the whole displacement
 ASYMMETRY = 0.05  # difference of the walls' forces, relative to their mean, from which on each wall is drawn
@@ -40,7 +51,7 @@ def run_forces_figure(run):
     """Return the figure of P, T and N of one run, or None without data."""
     if run.forces.empty:
         return None
-    figure = new_figure(12.5, 4.6)
+    figure = new_figure(11.0, 4.6)
     panels = dict(zip(FORCES, figure.subplots(1, 3), strict=True))
     for (name, panel), color in zip(panels.items(), (BLUE, VERMILLION, GREEN), strict=True):
         _curve(panel, run, lambda rows, name=name: force(rows, name), color, "median", raw_label="every row")
@@ -54,7 +65,7 @@ def run_forces_figure(run):
     origin = "T, N: mean of both walls"
     if run.filled is not None:
         origin += f"; weight W = {run.filled['weight_N_per_m'] / 1e3:.3g} kN/m"
-    figure.suptitle(f"Forces per metre run: {run.title}\n{origin}")
+    put_title(figure, f"Forces per metre run: {run.title}", origin)
     _legend_below(figure, max(panels.values(), key=lambda panel: len(panel.get_lines())), columns=6)
     return figure
 
@@ -67,7 +78,9 @@ def run_angle_figure(run):
     panel = figure.subplots()
     _curve(panel, run, angle, BLUE, "median", raw_label="every row")
     _reference_angle(panel, run)
-    panel.set(ylabel=ANGLE, title=f"Mobilised wall friction: {run.title}")
+    words = textwrap.fill(run.title.replace(" mm", "\u00a0mm"), 88)  # no line may begin with a unit
+    panel.set_title(f"Mobilised wall friction\n{words}", fontsize=11)
+    panel.set_ylabel(ANGLE)
     x_axis(panel, [run])
     start_at_zero([panel], "y")
     _legend_below(figure, panel, columns=2)

@@ -1,4 +1,4 @@
-"""What the figures need from a run's folder. Whatever file is missing reads as empty."""
+"""What figures and reports need from a run's folder. Whatever file is missing or damaged reads as empty."""
 
 import json
 import tomllib
@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pandas as pd
 
+from taichi_silo import vtu
 from taichi_silo.laws import GudehusBauer
 from taichi_silo.scene import LOOSE_FROM
+from taichi_silo.snapshot import figured
 from taichi_silo.theory.eurocode import EurocodeSilo
 from taichi_silo.theory.janssen import Janssen
 from taichi_silo.theory.of_scene import eurocode_of
@@ -20,6 +21,13 @@ from taichi_silo.vessel import Silo
 GRAVITY = 9.81  # m/s2
 TABLE_PRESSURE_RATIO = 0.45  # sand, EN 1991-4 table E.1
 REST_SPAN_S = 0.05  # the end of the filling stage over which the state at rest is averaged
+FORCES = (
+    "time_s", "stage", "displacement_m", "bottom_force_N_per_m", "left_normal_N_per_m", "left_shear_N_per_m",
+    "right_normal_N_per_m", "right_shear_N_per_m", "wall_friction_angle_deg", "weight_N_per_m",
+)  # fmt: skip
+WALLS = ("state", "wall", "height_m", "normal_stress_Pa", "shear_stress_Pa")
+SNAPSHOTS = ("file", "stage", "time_s", "displacement_m")
+WORDS = ("stage", "state", "wall", "file")  # columns that hold no numbers
 
 
 @dataclass(frozen=True)
@@ -35,7 +43,9 @@ class RunFiles:
     parameters, summary : dict
         `run.toml` and `summary.json`.
     forces, walls, snapshots : DataFrame
-        `forces.csv`, `walls.csv` and `snapshots/index.csv`.
+        `forces.csv`, `walls.csv` and `snapshots/index.csv`, less the snapshots that only films need.
+    trouble : tuple of str
+        A sentence for each file that is there and cannot be read.
     """
 
     folder: Path
@@ -45,20 +55,21 @@ class RunFiles:
     forces: pd.DataFrame
     walls: pd.DataFrame
     snapshots: pd.DataFrame
+    trouble: tuple[str, ...] = ()
 
     @classmethod
     def read(cls, folder: Path, label: str = "") -> "RunFiles":
         """Read the small files of a run; snapshots are read on demand."""
-        folder = Path(folder)
-        run_toml, summary = folder / "run.toml", folder / "summary.json"
+        folder, trouble = Path(folder), []
         return cls(
             folder=folder,
-            label=label or folder.name,
-            parameters=tomllib.loads(run_toml.read_text()) if run_toml.exists() else {},
-            summary=json.loads(summary.read_text()) if summary.exists() else {},
-            forces=_table(folder / "forces.csv", ["stage", "time_s", "displacement_m"]),
-            walls=_table(folder / "walls.csv", ["state", "wall", "height_m"]),
-            snapshots=_table(folder / "snapshots/index.csv", ["file", "stage", "time_s", "displacement_m"]),
+            label=label or folder.resolve().name,
+            parameters=_tables(folder / "run.toml", tomllib.loads, trouble),
+            summary=_tables(folder / "summary.json", json.loads, trouble),
+            forces=_table(folder / "forces.csv", FORCES, trouble),
+            walls=_table(folder / "walls.csv", WALLS, trouble),
+            snapshots=figured(_table(folder / "snapshots/index.csv", SNAPSHOTS, trouble)),
+            trouble=tuple(trouble),
         )
 
     def parameter(self, table: str, name: str, default=None):
@@ -173,23 +184,42 @@ class RunFiles:
 
     def read_snapshot(self, file: str):
         """Return points (n, 2) [m], void ratio (n,) and side (n,) [m] of the square each point stands for."""
-        mesh = meshio.read(self.folder / "snapshots" / file)
-        void_ratio, volume = (np.ravel(mesh.point_data[name]) for name in ("void_ratio", "volume_m2_per_m"))
-        finite = np.isfinite(mesh.points).all(axis=1) & np.isfinite(void_ratio) & (volume > 0.0)
-        return mesh.points[finite, :2], void_ratio[finite], np.sqrt(volume[finite])
+        places, arrays = vtu.read(self.folder / "snapshots" / file)
+        void_ratio, volume = (arrays[name].astype(float) for name in ("void_ratio", "volume_m2_per_m"))
+        finite = np.isfinite(places).all(axis=1) & np.isfinite(void_ratio) & (volume > 0.0)
+        return places[finite, :2], void_ratio[finite], np.sqrt(volume[finite])
 
 
-def _table(path: Path, columns: list[str]) -> pd.DataFrame:
-    """Return a table, or an empty one with these columns if the file is not there or has no content yet.
-
-    Numbers out of all bounds, which a run that went wrong may leave, read as nan.
-    """
+def _tables(path: Path, parse, trouble: list) -> dict:
+    """Return the tables of a TOML or JSON file, or none if it is not there or damaged."""
     try:
-        table = pd.read_csv(path, on_bad_lines="skip")
+        return dict(parse(path.read_text(encoding="utf-8")))
+    except FileNotFoundError:
+        return {}
+    except (OSError, TypeError, ValueError):
+        trouble.append(f"{path.name} is damaged and was left out.")
+        return {}
+
+
+def _table(path: Path, columns: tuple[str, ...], trouble: list) -> pd.DataFrame:
+    """Return a table, or an empty one with these columns if the file is not there, has no content yet or is damaged.
+
+    Numbers out of all bounds, which a run that went wrong may leave, words in place of numbers, and columns that are
+    missing read as nan; without its first three columns a table is damaged.
+    """
+    empty = pd.DataFrame({name: pd.Series(dtype=object if name in WORDS else float) for name in columns})
+    try:
+        table = pd.read_csv(path, on_bad_lines="skip", encoding="utf-8")
+        table[list(columns[:3])]
     except (FileNotFoundError, pd.errors.EmptyDataError):
-        return pd.DataFrame(columns=columns)
-    numbers = table.select_dtypes("number")
-    table[numbers.columns] = numbers.where(numbers.abs() < 1e12)
+        return empty
+    except (OSError, KeyError, ValueError):  # a parser's own errors are ValueErrors
+        trouble.append(f"{path.name} is damaged and was left out.")
+        return empty
+    table = table.reindex(columns=[*table.columns, *(name for name in columns if name not in table)])
+    for name in table.columns.difference(WORDS):
+        values = pd.to_numeric(table[name], errors="coerce")
+        table[name] = values.where(values.abs() < 1e12)
     return table
 
 

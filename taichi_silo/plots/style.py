@@ -1,5 +1,7 @@
 """The look shared by all figures: colours that colour-blind readers tell apart, sizes, a light grid."""
 
+import textwrap
+
 from matplotlib.figure import Figure
 
 BLACK, BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (  # palette of Okabe and Ito
@@ -18,7 +20,7 @@ STYLE = {
     "axes.titlesize": 12.5,
     "axes.labelsize": 12,
     "legend.fontsize": 11,
-    "figure.titlesize": 14,
+    "figure.titlesize": 13,
     "savefig.dpi": 150,
     "figure.dpi": 150,
     "axes.spines.top": False,
@@ -41,6 +43,12 @@ def new_figure(width_in: float, height_in: float) -> Figure:
     figure = Figure(figsize=(width_in, height_in), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.06, h_pad=0.06)
     return figure
+
+
+def put_title(figure: Figure, *lines: str):
+    """Put a title above a figure; a line that is too long for it goes on in the next one, which begins with no unit."""
+    fitting = int(figure.get_figwidth() * 9.7)  # characters of its size
+    figure.suptitle("\n".join(textwrap.fill(line.replace(" mm", "\u00a0mm"), fitting) for line in lines))
 
 
 def start_at_zero(panels, axis: str):

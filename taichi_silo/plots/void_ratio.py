@@ -6,9 +6,10 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 
 from taichi_silo.plots.run_files import by_void_ratio
-from taichi_silo.plots.style import new_figure
+from taichi_silo.plots.style import new_figure, put_title
 
 DISPLACEMENTS_MM = (0.0, 2.0, 5.0, 10.0, 20.0)
+BEYOND = 1.05  # times the last of them: a run that goes on is shown at its end as well
 OVERLAP = 1.15  # squares are drawn larger by this factor, so that stretched sand shows no gaps
 COLORS = "viridis"
 CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
@@ -43,9 +44,18 @@ def chosen_snapshots(run) -> list:
     return chosen
 
 
+def _with_end(run, rows: list) -> list:
+    """Return chosen rows of the index, and the last state of a run that has gone far beyond them."""
+    flow = run.snapshots[run.snapshots["stage"] == "flow"]
+    there = [row for _, row in flow.iterrows() if (run.folder / "snapshots" / str(row["file"])).exists()]
+    if rows and there and there[-1]["displacement_m"] > BEYOND * rows[-1]["displacement_m"]:
+        return [*rows, there[-1]]
+    return rows
+
+
 def run_void_ratio_figure(run):
     """Return the figure of one run, or None without snapshots."""
-    rows = [row for row in chosen_snapshots(run) if row is not None]
+    rows = _with_end(run, [row for row in chosen_snapshots(run) if row is not None])
     if not rows:
         return None
     fields = [run.read_snapshot(row["file"]) for row in rows]
@@ -60,7 +70,7 @@ def run_void_ratio_figure(run):
         panel.set(xlabel="x (mm)", title=_moment(row, run.flow.empty))
     panels[0].set_ylabel("height (mm)")
     _color_bar(figure, panels, norm)
-    figure.suptitle(f"Void ratio: {run.title}".replace(", ", "\n") if few else f"Void ratio: {run.title}")
+    put_title(figure, *(f"Void ratio: {run.title}".split(", ") if few else [f"Void ratio: {run.title}"]))
     return figure
 
 

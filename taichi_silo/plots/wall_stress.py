@@ -3,7 +3,7 @@
 import numpy as np
 
 from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
-from taichi_silo.plots.style import BLACK, BLUE, REFERENCE, VERMILLION, new_figure, start_at_zero
+from taichi_silo.plots.style import BLACK, BLUE, REFERENCE, VERMILLION, new_figure, put_title, start_at_zero
 
 STATES = {  # colour, width (equal curves on top of each other both show), name
     "filling": (BLACK, 2.0, "after filling"),
@@ -21,7 +21,7 @@ def run_wall_stress_figure(run):
     """Return the figure of one run, or None without wall profiles."""
     if not _has_profiles(run):
         return None
-    figure = new_figure(10.5, 6.4)
+    figure = new_figure(9.6, 6.4)
     panels = figure.subplots(1, 2, sharey=True)
     for panel, quantity in zip(panels, STRESSES, strict=True):
         _draw(panel, run, quantity)
@@ -31,7 +31,7 @@ def run_wall_stress_figure(run):
     panels[0].set_ylabel("height above the initial bottom (mm)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
-    figure.suptitle(f"Wall stresses: {run.title}\n{LOPSIDED if run.lopsided else LEGEND}")
+    put_title(figure, f"Wall stresses: {run.title}", LOPSIDED if run.lopsided else LEGEND)
     return figure
 
 

@@ -32,7 +32,7 @@ class ConvectedDomain:
 
     @property
     def stable_fraction(self) -> float:
-        """Of a lattice of squares: 0.577 for l = 1/2."""
+        """Of a lattice of squares: 0.707 for l = 1/2, 0.612 for l = 1/4."""
         start, end = bound.hats(bound.PLACES, 5), bound.hats(bound.PLACES + 2.0 * self.half_size, 5)
         return bound.fraction(0.5 * (start + end), (end - start) / (2.0 * self.half_size))
 

@@ -1,6 +1,5 @@
 """Batches: combinations, names, refusals, runs that are kept, table and figure."""
 
-import importlib.util
 import json
 from pathlib import Path
 
@@ -9,20 +8,19 @@ import pandas as pd
 import pytest
 
 from taichi_silo import Scene
-from taichi_silo.batch.runs import Run
-from taichi_silo.batch.table import leave
-from taichi_silo.batch.variations import bases, differences, scenes, variation
-from taichi_silo.faults import BadInput, RunFailed
+from taichi_silo.batch import runs as batch_runs
+from taichi_silo.batch.runs import Run, simulate
+from taichi_silo.batch.table import leave, row
+from taichi_silo.batch.variations import bases, differences, product, scenes, variation
+from taichi_silo.faults import BadInput
 from taichi_silo.folder import writable, write_parameters
 from taichi_silo.plots.batch import COLORS, batch_figure
 from taichi_silo.plots.run_files import RunFiles
 from taichi_silo.settings import changed
 
-COARSE = ["grid.cell_size_m=0.05", "flow.displacement_m=0.002", "flow.speed_m_per_s=0.05"]
-
 
 def made(*texts: str, files: tuple = ()) -> dict[str, Scene]:
-    return scenes(bases(list(files)), [variation(text) for text in texts])
+    return scenes(bases(list(files)), product([variation(text) for text in texts]))
 
 
 # --- combinations and names -------------------------------------------------------------------------------------------
@@ -67,25 +65,23 @@ def test_a_sand_by_name_brings_its_constants_and_default_is_what_is_not_given():
 def test_columns_are_what_was_asked_for_and_what_differs(tmp_path):
     (tmp_path / "loose.toml").write_text("[sand]\nvoid_ratio = 0.9\n[walls]\nkind = 'smooth'\n")
     (tmp_path / "dense.toml").write_text("")
-    varied = [variation("method.cfl=0.2")]
-    found = scenes(bases([tmp_path / "loose.toml", tmp_path / "dense.toml"]), varied)
+    found = made("method.cfl=0.2", files=(tmp_path / "loose.toml", tmp_path / "dense.toml"))
     # dense sand is between very rough walls here, of which no half is computed
     columns = {"method.cfl", "sand.void_ratio", "walls.kind", "walls.friction_angle_deg", "silo.half"}
-    assert set(differences(found, varied)) == columns
+    assert set(differences(found, ["method.cfl"])) == columns
 
 
 @pytest.mark.parametrize(
     ("texts", "sentence"),
     [
-        (["flow.speed=1"], "vary is flow.speed=1; a scene has no value flow.speed"),
+        (["flow.speed=1"], "flow.speed varies; a scene has no such value; did you mean flow.speed_m_per_s"),
         (["flow"], "vary is flow; it must be PATH=V1,V2"),
         (["walls.kind=smooth,,"], "it must be PATH=V1,V2"),
-        (["precision=f32"], "a scene has no value precision"),
+        (["precision=f32"], "precision varies; a scene has no such value"),
         (["machine.threads=2"], "each run of a batch has one thread"),
         (["sand.name=hostun"], "it is only a label"),
         (["flow.speed_m_per_s=0.01,-1"], "flow.speed_m_per_s=-1: speed_m_per_s is -1; it must be above 0"),
         (["walls.kind=smooth,smooth"], "the value smooth is there twice"),
-        (["walls.kind=smooth", "walls.kind=very-rough"], "vary is given twice for walls.kind"),
         (["sand=sahara"], "sand=sahara: sand is sahara; it must be"),
         (["sand=hostun", "sand.void_ratio=dense"], "void ratio is dense; it must be a number"),
         (["silo.width_m=0.2,0.333"], "silo.width_m=0.333: cell size is 0.005 m; it must divide the width of 0.333 m"),
@@ -111,7 +107,7 @@ def test_a_bad_file_is_refused_by_its_name(tmp_path):
 def left(folder: Path, scene: Scene, factor: float = 1.0, **summary) -> Run:
     """A run that was there: its scene, its summary and its forces."""
     folder.mkdir(parents=True)
-    write_parameters(folder, scene, {})
+    write_parameters(folder, scene, {"finished": True})
     forces = {"bottom_N_per_m": 500.0 * factor, "shear_N_per_m": 600.0, "normal_N_per_m": 700.0 * factor}
     found = {
         "finished": True,
@@ -144,12 +140,32 @@ def test_a_run_is_there_if_its_scene_is_the_wanted_one_on_any_machine_and_it_fin
     Run(scene, tmp_path / "nothing").check()
 
 
+def test_whoever_wants_a_finished_run_again_gets_it_from_the_start(tmp_path, monkeypatch):
+    """A run that is finished when it is attempted would be left alone."""
+    seen = []
+
+    class Nobody:
+        def __init__(self, jobs, say):
+            pass
+
+        def run(self, tasks, heard, ended):
+            seen.extend(Run.of_order(task.line)[0] for task in tasks)
+            return {}
+
+    monkeypatch.setattr(batch_runs, "Processes", Nobody)
+    run = left(tmp_path / "run", Scene(machine={"threads": 1}))
+    simulate({"run": run}, 1)
+    assert seen == [run] and not run.finished and not (run.folder / "forces.csv").exists()
+
+
 def test_the_table_has_a_row_for_every_run_and_says_why_one_failed(tmp_path):
     found = made("sand.void_ratio=0.6,0.7,0.8")
     runs = {name: Run(scene, tmp_path / name) for name, scene in found.items()}
     first, second, third = runs
     left(tmp_path / first, found[first], warnings=["a", "b"])
-    table = leave(tmp_path / "batch.csv", runs, ["sand.void_ratio"], {second: "killed"})
+    why = {second: "killed"}
+    rows = [row(name, run, ["sand.void_ratio"], why.get(name, "")) for name, run in runs.items()]
+    table = leave(tmp_path / "batch.csv", rows)
     read = pd.read_csv(tmp_path / "batch.csv").set_index("run")
     assert list(read.index) == list(table.run) == list(runs)
     assert read["sand.void_ratio"].tolist() == [0.6, 0.7, 0.8]
@@ -177,34 +193,3 @@ def test_an_output_that_cannot_be_written_is_refused_and_leaves_nothing(tmp_path
     with pytest.raises(BadInput, match="cannot be written"):
         writable(tmp_path / "file" / "batch")
     assert writable(tmp_path / "a" / "b").is_dir()
-
-
-# --- the whole, coarse ------------------------------------------------------------------------------------------------
-
-
-def scenario():
-    file = Path(__file__).parents[2] / "scenarios" / "batch.py"
-    spec = importlib.util.spec_from_file_location("batch_scenario", file)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.batch
-
-
-def test_a_batch_leaves_a_row_a_run_reports_what_failed_and_goes_on_where_it_was(tmp_path, capsys):
-    batch, output = scenario(), tmp_path / "batch"
-    batch(vary=[*COARSE, "method.cfl=default,1.5"], jobs=1, output=output, estimate=True)
-    assert "2 to do" in capsys.readouterr().out and not output.exists()
-    with pytest.raises(RunFailed, match="in 1 of 2 runs, the first being '.*cfl-1.5': at t = .* above 1.5 times"):
-        batch(vary=[*COARSE, "method.cfl=default,1.5"], jobs=1, output=output)
-    rows = pd.read_csv(output / "batch.csv").set_index("method.cfl")
-    assert rows.finished.tolist() == [True, False]
-    assert "1.5 times the stable one" in rows.failure[1.5]
-    assert rows.T_largest_N_per_m.iloc[0] > rows.T_filled_N_per_m.iloc[0] > 0.0
-    assert (output / "figures" / "batch.png").exists()
-    files = {file: file.stat().st_mtime_ns for file in output.glob("*cfl-default/*")}
-    capsys.readouterr()
-    batch(vary=[*COARSE, "method.cfl=default"], jobs=1, output=output)
-    assert "1 runs are there, 0 to do" in capsys.readouterr().out
-    assert files and {file: file.stat().st_mtime_ns for file in files} == files
-    with pytest.raises(BadInput, match="jobs is 9999; this machine has 1 to"):
-        batch(jobs=9999, output=output)

@@ -1,4 +1,5 @@
 import subprocess
+from dataclasses import replace
 
 import imageio_ffmpeg
 import matplotlib
@@ -6,11 +7,14 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from taichi_silo.observers.canvas import Canvas
-from taichi_silo.observers.film import BACKGROUND, COLOURS, Film, SandRaster
+from taichi_silo.fields import Scale
+from taichi_silo.observers.canvas import BACKGROUND, Canvas
+from taichi_silo.observers.film import Film
+from taichi_silo.observers.picture import Picture
+from taichi_silo.observers.raster import COLOURS, SandRaster
 
 WIDTH, HEIGHT, DISPLACEMENT, SPACING, WEIGHT = 0.2, 0.5, 0.02, 0.005, 1625.0
-VOID_RATIOS = (0.55, 0.85)
+VOID_RATIOS = Scale("void ratio e", "viridis", 0.55, 0.85, words=("dense", "loose"))
 SIZE = {"width_m": WIDTH, "height_m": HEIGHT, "displacement_m": DISPLACEMENT, "weight_N_per_m": WEIGHT}
 FAR_BELOW = (-1.0, -1.1)  # plate heights that keep it out of the picture
 
@@ -31,7 +35,7 @@ def lattice(columns, rows):
 
 
 def film(path):
-    return Film(path, spacing_m=SPACING, void_ratio_range=VOID_RATIOS, title="Test", **SIZE)
+    return Film(path, Picture(spacing_m=SPACING, scale=VOID_RATIOS, title="Test", **SIZE))
 
 
 def is_drawn(image):
@@ -85,7 +89,8 @@ def test_film_is_h264_of_the_right_size_and_named_when_closed(tmp_path):
     path = tmp_path / "void_ratio.mp4"
     position = lattice(40, 100)
     with film(path) as movie:
-        bare = movie.canvas.background.copy()
+        canvas = movie.picture.canvas
+        bare = canvas.background.copy()
         for k in range(8):
             u = max(0, k - 2) / 5 * DISPLACEMENT
             movie.add_forces(u, 560.0 - 1e4 * u, 530.0, 550.0 + 2e4 * u)
@@ -94,7 +99,7 @@ def test_film_is_h264_of_the_right_size_and_named_when_closed(tmp_path):
             void_ratio = np.where(np.abs(position[:, 0] - WIDTH / 2) > 0.08, 0.8, 0.6)
             movie.add_frame(sunk, void_ratio, time_s=0.1 * k, stage="flow" if u else "filling", displacement_m=u)
         assert not path.exists()
-        panel = movie.canvas.panel
+        panel = canvas.panel
     movie.close()
     assert list(tmp_path.iterdir()) == [path]
 
@@ -112,7 +117,7 @@ def test_film_is_h264_of_the_right_size_and_named_when_closed(tmp_path):
     rows = slice(panel.top, panel.top + panel.rows - 20)
     for columns in (
         slice(0, panel.left - 12),
-        slice(panel.left + panel.columns + 12, movie.canvas.plot.left - 20),
+        slice(panel.left + panel.columns + 12, canvas.plot.left - 20),
     ):
         for frame in frames:
             error = np.abs(frame[rows, columns].astype(int) - bare[rows, columns])
@@ -138,11 +143,13 @@ def test_film_without_frames_leaves_nothing(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("wrong", [{"spacing_m": 0.0}, {"void_ratio_range": (0.8, 0.6)}, {"width_m": -1.0}])
-def test_impossible_arguments_are_refused(tmp_path, wrong):
-    arguments = {**SIZE, "spacing_m": SPACING, "void_ratio_range": VOID_RATIOS, "title": "", **wrong}
+@pytest.mark.parametrize(
+    "wrong", [{"spacing_m": 0.0}, {"scale": replace(VOID_RATIOS, low=0.85, high=0.6)}, {"width_m": -1.0}]
+)
+def test_impossible_arguments_are_refused(wrong):
+    arguments = {**SIZE, "spacing_m": SPACING, "scale": VOID_RATIOS, "title": "", **wrong}
     with pytest.raises(ValueError):
-        Film(tmp_path / "no.mp4", **arguments)
+        Picture(**arguments)
 
 
 def test_curves_start_with_the_flow_and_do_not_run_back():

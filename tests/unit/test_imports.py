@@ -6,8 +6,8 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
-    ["runtime", "maths", "tensors", "faults", "barrier", "processes", "durable", "stopping"],
-    ["grid", "particles", "noise", "geometry", "table", "archive", "lock", "outline"],
+    ["runtime", "maths", "tensors", "faults", "barrier", "child", "tally", "processes", "vtu", "durable", "stopping"],
+    ["grid", "particles", "noise", "geometry", "table", "outline", "snapshot", "archive", "lock"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
     ["phases", "nodes", "survey"],
@@ -21,24 +21,27 @@ LAYERS = [
     ["filling", "outflow", "ledger"],
     ["simulation", "state", "specimen", "sands"],
     ["trial"],
-    ["element", "scene_file", "folder", "timestep", "cost"],
+    ["element", "scene_file", "fields", "folder", "timestep", "cost"],
+    ["history"],
     ["stability"],
     ["plots"],
     ["biaxial"],
     ["observers", "parts"],
-    ["one_run", "batch", "chart", "paper"],
-    ["reference", "result", "health"],
-    ["api"],
+    ["one_run", "batch", "chart", "paper", "render", "export", "gallery"],
+    ["reference", "result", "health", "report"],
+    ["api", "compare"],
     ["voice", "flags", "catalogue"],
-    ["cli", "scenario", "__init__"],
+    ["cli", "scenario", "sweep", "__init__"],
     ["commands"],
     ["app"],
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ONLY_IN = {
     "matplotlib": {"plots", "observers", "biaxial"},
-    "imageio_ffmpeg": {"observers"},
-    "meshio": {"observers", "plots", "biaxial", "paper", "result"},
+    "imageio_ffmpeg": {"observers", "gallery", "report"},
+    "jinja2": {"gallery", "report"},
+    "h5py": {"export"},
+    "meshio": set(),
 }
 
 

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 PROGRAM = """
     import sys, time
     from pathlib import Path
-    from taichi_silo.processes import given
+    from taichi_silo.child import given
 
     word = given().strip()
     print("0.5", flush=True)

@@ -1,0 +1,105 @@
+"""A program in a process of its own, and its tie to whoever started it.
+
+It is given one line on its input, which then stays open: a program that reads it by `given` is interrupted, as by
+Ctrl-C, when whoever started it stops it or is gone. So it outlives its parent no longer than it needs to put its files
+in order.
+"""
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+
+GRACE_S = 20.0  # for a program that is stopped: it ends its interval and leaves its files
+DONE, SAID_NO, STOPPED = 0, 1, 130  # codes with which a program ends by its own will
+
+
+class Child:
+    """A module that runs as a program.
+
+    Parameters
+    ----------
+    program : module and arguments.
+    line : what it is given.
+    environment : variables beside those of this process.
+
+    """
+
+    def __init__(self, program: tuple[str, ...], line: str = "", environment: dict | None = None):
+        self.line, self.rest = line, []
+        self.errors = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115 - it fills no pipe
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", *program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.errors,
+            text=True, encoding="utf-8", errors="replace", start_new_session=True,
+            env=os.environ | {"PYTHONIOENCODING": "utf-8"} | (environment or {}),
+        )  # fmt: skip
+
+    def lines(self) -> Iterator[str]:
+        """Give it its line, and hear what it says until it ends."""
+        with contextlib.suppress(BrokenPipeError, ValueError):  # it ended at once, and says why; or is stopped already
+            self.process.stdin.write(self.line + "\n")
+            self.process.stdin.flush()
+        yield from self.process.stdout
+        self.process.wait()
+        self.interrupt()
+        self.process.stdout.close()
+
+    def keep(self, line: str) -> None:
+        """Keep a line, the last of which says why it failed if nothing else does."""
+        self.rest.append(line.strip())
+
+    def interrupt(self) -> None:
+        """Ask it to stop."""
+        with contextlib.suppress(BrokenPipeError):
+            self.process.stdin.close()
+
+    @property
+    def crashed(self) -> bool:
+        """Whether it ended, and not by its own will."""
+        return self.process.returncode not in (DONE, SAID_NO, STOPPED)
+
+    @property
+    def trouble(self) -> str:
+        """Why it failed, in a sentence; empty if it did not."""
+        code = self.process.returncode
+        if code == DONE:
+            return ""
+        if code < 0:
+            name = signal.Signals(-code).name
+            return f"its process was ended by {name}" + (", as when memory runs out" if name == "SIGKILL" else "")
+        self.errors.seek(0)
+        lines = self.errors.read().strip().splitlines() or self.rest
+        return lines[-1] if lines else f"ended with code {code}"
+
+
+def end(children: list[Child], seconds: float) -> None:
+    """Ask all to stop, and kill those that have not after so long."""
+    for child in children:
+        child.interrupt()
+    last = time.monotonic() + seconds
+    try:
+        for child in children:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                child.process.wait(max(0.0, last - time.monotonic()))
+    finally:  # also when asked once more
+        for child in children:
+            child.process.kill()
+
+
+def given() -> str:
+    """The line that this program was given; from now on the end of its input interrupts it."""
+    line = sys.stdin.readline()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a parent in the background may ignore it
+
+    def watch() -> None:
+        while os.read(sys.stdin.fileno(), 1):  # past Python's own buffer, which a waiting thread would lock
+            pass
+        signal.raise_signal(signal.SIGINT)
+
+    threading.Thread(target=watch, daemon=True).start()
+    return line

@@ -1,0 +1,57 @@
+"""`taichi-silo export`."""
+
+from pathlib import Path
+from typing import Annotated
+
+from typer import Argument, Option
+
+from taichi_silo.voice import JsonFlag, QuietFlag, Voice
+
+
+def command(
+    folder: Annotated[Path, Argument(help="of a run, also of one that goes on")],
+    kind: Annotated[
+        str, Option("--format", help="vtkhdf (one file with time, for ParaView 5.12 and later) | csv (a table a state)")
+    ] = "vtkhdf",
+    output: Annotated[Path | None, Option(help="file, or folder of tables; FOLDER/silo.vtkhdf or FOLDER/csv")] = None,
+    overwrite: Annotated[bool, Option("--overwrite", help="replace an export that is there")] = False,
+    quiet: QuietFlag = False,
+    json: JsonFlag = False,
+) -> None:
+    """Write all states of a run, and the fields that follow from them, for other programs.
+
+    Lengths are in m, times in s; other units are in the names. Examples:
+
+    taichi-silo export outputs/silo
+
+    taichi-silo export outputs/silo --format csv --output tables
+    """
+    from rich.progress import Progress
+
+    from taichi_silo.export import tables, vtkhdf
+    from taichi_silo.faults import BadInput, RunFailed
+    from taichi_silo.folder import writable
+    from taichi_silo.history import History
+
+    formats = {"vtkhdf": (vtkhdf.write, "silo.vtkhdf"), "csv": (tables.write, "csv")}
+    if kind not in formats:
+        raise BadInput(f"format is {kind}; it must be one of {', '.join(formats)}")
+    voice, history = Voice(quiet, json), History.read(folder)
+    write, name = formats[kind]
+    target = output.expanduser() if output else history.folder / name
+    there = any(target.glob("*")) if target.is_dir() else target.exists()
+    if there and not overwrite:
+        raise BadInput(f"output {target} is there already; give another name, or --overwrite to replace it")
+    if target.exists() and target.is_dir() != (kind == "csv"):
+        raise BadInput(f"output is {target}; it must be a {'folder' if kind == 'csv' else 'file'} for {kind}")
+    writable(target.parent)
+    with Progress(console=voice.console, transient=True, disable=quiet or not voice.console.is_terminal) as progress:
+        task = progress.add_task("writing", total=len(history.index))
+        try:
+            count = write(history, target, lambda: progress.advance(task))
+        except OSError as error:
+            raise RunFailed(f"while {target} was written: {error}") from error
+    files = [target] if target.is_file() else [*target.glob("*.csv")]
+    size = sum(file.stat().st_size for file in files)
+    voice.say(f"{target}  {count} states, {size / 1e6:.3g} MB")
+    voice.result({"output": str(target), "format": kind, "states": count, "bytes": size})

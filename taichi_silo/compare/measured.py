@@ -1,0 +1,170 @@
+"""A user's measurements: a CSV file of curves or of a wall profile, its units read from the names of its columns."""
+
+import csv
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+from taichi_silo.faults import BadInput
+
+LENGTH = {"m": 1.0, "mm": 1e-3}
+FORCE = {"N_per_m": 1.0, "kN_per_m": 1e3}
+STRESS = {"Pa": 1.0, "kPa": 1e3}
+PLACES = {"displacement": LENGTH, "time": {"s": 1.0}}
+CURVES = {  # column less its unit: what it is called here, its units
+    "P": ("P", FORCE), "T": ("T", FORCE), "N": ("N", FORCE),
+    "bottom_force": ("P", FORCE),
+    "left_normal": ("left_normal", FORCE), "left_shear": ("left_shear", FORCE),
+    "right_normal": ("right_normal", FORCE), "right_shear": ("right_shear", FORCE),
+    "wall_friction_angle": ("angle", {"deg": 1.0}),
+}  # fmt: skip
+PROFILE = {"normal_stress": ("normal_stress_Pa", STRESS), "shear_stress": ("shear_stress_Pa", STRESS)}
+STATES = {"filling": "filling", "filled": "filling", "maximum": "maximum", "peak": "maximum", "residual": "residual"}
+WALLS = ("left", "right", "both")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured, in SI units.
+
+    Attributes
+    ----------
+    name : of the file.
+    kind : "curves" or "profile".
+    table : of curves `displacement_m` or `time_s` (since the outflow began), rising, and any of P, T, N, left_normal,
+        left_shear, right_normal, right_shear [N/m] and angle [degrees]; of a profile height_m, normal_stress_Pa or
+        shear_stress_Pa, state ("filling", "maximum", "residual"; "" for any) and wall.
+
+    """
+
+    name: str
+    kind: str
+    table: pd.DataFrame
+
+    @property
+    def place(self) -> str:
+        """Column of what the others are measured against."""
+        names = ("height_m", "displacement_m", "time_s")
+        return next(name for name in names if name in self.table)
+
+    @property
+    def quantities(self) -> list[str]:
+        """Columns that were measured."""
+        return [name for name in self.table if name not in (self.place, "state", "wall")]
+
+
+def read(file: Path) -> Measured:
+    """Read a file; separators are commas, or semicolons, with which numbers may have decimal commas.
+
+    Raises
+    ------
+    BadInput
+        if it cannot be read, or a column or a value is not as it must be.
+
+    """
+    file = Path(file).expanduser()
+    try:
+        lines = file.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(f"{file} cannot be read as a table: {getattr(error, 'strerror', None) or error}") from error
+    lines = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" ;,\t")]
+    if not lines:
+        raise BadInput(f"{file} is empty; its first line must name its columns")
+    separator = ";" if ";" in lines[0][1] else ","
+    rows = csv.reader((line for _, line in lines), delimiter=separator)
+    head, *rows = [[cell.strip() for cell in row] for row in rows]
+    while head and not head[-1]:  # what a spreadsheet leaves behind the last column
+        head.pop()
+    kind, columns = _columns(file, head)
+    if not rows:
+        raise BadInput(f"{file} has no rows; it must have at least one below the names of its columns")
+    if len(rows) != len(lines) - 1:
+        raise BadInput(f"{file} has line breaks within quotes; it must have one row a line")
+    table = {name: [] for name, _ in columns}
+    for (number, _), row in zip(lines[1:], rows, strict=True):
+        if len(row) < len(head) or any(row[len(head) :]):
+            hint = "" if separator == ";" else "; numbers with decimal commas need semicolons between columns"
+            raise BadInput(f"{file}, line {number}, has {len(row)} values; it must have {len(head)}{hint}")
+        for cell, title, (name, factor) in zip(row, head, columns, strict=False):
+            where = f"{file}, line {number}: {title} is {cell or 'empty'}"
+            table[name].append(_word(name, cell, where) if factor is None else factor * _value(cell, where, separator))
+    return _ordered(file, kind, pd.DataFrame(table))
+
+
+def _columns(file: Path, head: list[str]) -> tuple[str, list[tuple[str, float | None]]]:
+    """Kind of the file, and of each column its name here and its factor to SI; None for words."""
+    found = [_column(file, title) for title in head]
+    names, kinds = [name for _, name, _ in found], {kind for kind, *_ in found}
+    for name, title in zip(names, head, strict=True):
+        if names.count(name) > 1:
+            raise BadInput(f"{file} has {title} twice, under one name or another; it must have each quantity once")
+    if kinds == {"curves", "profile"}:
+        raise BadInput(f"{file} has columns of curves and of a wall profile; it must have those of one of them")
+    kind = kinds.pop()
+    needs = ("height_m",) if kind == "profile" else ("displacement_m", "time_s")
+    places, measured = [name for name in names if name in needs], set(names) - set(needs) - {"state", "wall"}
+    if len(places) != 1 or not measured:
+        raise BadInput(f"{file} has the columns {', '.join(head)}; it must have {right_columns()}")
+    return kind, [(name, factor) for _, name, factor in found]
+
+
+def _column(file: Path, title: str) -> tuple[str, str, float | None]:
+    """Kind, name and factor of a column."""
+    key = title.casefold()
+    if key in ("state", "wall"):
+        return "profile", key, None
+    for kind, known in (
+        ("curves", {name: (f"{name}_{next(iter(units))}", units) for name, units in PLACES.items()}),
+        ("curves", CURVES),
+        ("profile", {"height": ("height_m", LENGTH)} | PROFILE),
+    ):
+        for start, (name, units) in known.items():
+            for unit, factor in units.items():
+                if key == f"{start}_{unit}".casefold():
+                    return kind, name, factor
+    raise BadInput(f"{file} has the column {title or 'without a name'}; it must have {right_columns()}")
+
+
+def right_columns() -> str:
+    """Which columns are right, in words."""
+    forces = [name for name, (_, units) in CURVES.items() if units is FORCE]
+    return (
+        "displacement_m, displacement_mm or time_s with any of "
+        f"{', '.join(f'{name}_N_per_m' for name in forces)} (each also as _kN_per_m) and wall_friction_angle_deg; "
+        "or height_m or height_mm with normal_stress_Pa and shear_stress_Pa (each also as _kPa), and, if you like, "
+        f"state ({', '.join(dict.fromkeys(STATES.values()))}) and wall ({', '.join(WALLS)})"
+    )
+
+
+def _value(cell: str, where: str, separator: str) -> float:
+    """A number; nan where there is none."""
+    if not cell:
+        return math.nan
+    try:
+        value = float(cell.replace(",", ".") if separator == ";" else cell)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise BadInput(f"{where}; it must be a number")
+    return value
+
+
+def _word(name: str, cell: str, where: str) -> str:
+    known = STATES if name == "state" else {wall: wall for wall in WALLS}
+    if cell.casefold() not in known:
+        raise BadInput(f"{where}; it must be one of {', '.join(known)}")
+    return known[cell.casefold()]
+
+
+def _ordered(file: Path, kind: str, table: pd.DataFrame) -> Measured:
+    """With rising places; several values at one place count by their mean."""
+    for name, usual in (("state", ""), ("wall", "both")) if kind == "profile" else ():
+        if name not in table:
+            table[name] = usual
+    found = Measured(file.name, kind, table)
+    if table[found.place].isna().any():
+        raise BadInput(f"{file} has an empty {found.place}; it must be a number in every row")
+    groups = [found.place, "state", "wall"] if kind == "profile" else [found.place]
+    return Measured(file.name, kind, table.groupby(groups, as_index=False, sort=True).mean())

@@ -1,0 +1,87 @@
+"""Every command line in the pages is one that the program takes."""
+
+import inspect
+import shlex
+import sys
+
+import pytest
+import typer
+from typer.main import get_command
+from written import beside, blocks
+
+from taichi_silo import app, catalogue, scenario
+from taichi_silo.commands.run import scene_file
+from taichi_silo.flags import with_groups
+from taichi_silo.scene import Scene
+
+LINES = [
+    pytest.param(block, shlex.split(line, comments=True)[1:], id=f"{block} {line}")
+    for block in blocks("console", "bash")
+    for line in block.text.splitlines()
+    if line.startswith("taichi-silo ")
+]
+
+
+def command_of(function):
+    program = typer.Typer(add_completion=False)
+    program.command()(with_groups(function))
+    return get_command(program)
+
+
+def parse(command, words):
+    with command.make_context("taichi-silo", list(words)):
+        pass
+
+
+def script(name):
+    """The function of a scenario, and its source."""
+    file = catalogue.script(name)
+    source = file.read_text(encoding="utf-8")
+    known = {"__name__": "scenario", "__file__": str(file)}
+    exec(compile(source, str(file), "exec"), known)
+    return known[source.rstrip().rpartition("cli.command(")[2].rstrip(")\n")]
+
+
+@pytest.fixture
+def wanted(monkeypatch):
+    """Scenes that scenarios would have run."""
+    scenes = []
+    monkeypatch.setattr(scenario, "run", lambda scene, folder, **_: scenes.append(scene) or folder)
+    monkeypatch.setattr(scenario, "tell", lambda *_: None)
+    return scenes
+
+
+@pytest.mark.parametrize(("block", "words"), LINES)
+def test_a_command_line_is_one_that_the_program_takes(block, words, wanted, tmp_path, monkeypatch):
+    beside(block, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    name, *rest = words
+    assert name in app.COMMANDS
+    if name != "run":
+        parse(get_command(app.make()).commands[name], rest)
+        return
+    what, *rest = rest
+    if what.endswith(".toml"):
+        parse(command_of(scene_file), [what, *rest])
+        return
+    function = script(what)
+    monkeypatch.setattr(sys, "argv", ["taichi-silo", *words])
+    kinds = {parameter.annotation for parameter in inspect.signature(function).parameters.values()}
+    if kinds & {scenario.Controlled, scenario.Free}:
+        command_of(function).main(rest, standalone_mode=False)  # values are checked as well
+        assert wanted
+        assert isinstance(wanted[0], Scene)
+    else:
+        parse(command_of(function), rest)
+
+
+def test_a_flag_that_does_not_exist_is_noticed(wanted):
+    with pytest.raises(typer.BadParameter.__base__):
+        parse(command_of(scene_file), ["silo.toml", "--no-such-flag"])
+    with pytest.raises(ValueError, match="kind|walls"):
+        command_of(script("mass_flow")).main(["--walls", "slippery"], standalone_mode=False)
+
+
+def test_the_tutorial_has_its_commands_in_an_order_that_works():
+    said = [line.values[1][0] for line in LINES if line.values[0].page == "tutorial.md"]
+    assert said == ["doctor", "run", "run", "compare", "run", "run", "compare", "report"]

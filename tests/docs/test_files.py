@@ -1,0 +1,44 @@
+"""Every file in the pages is one that the program takes."""
+
+import tomllib
+
+import pytest
+from written import beside, blocks
+
+from taichi_silo import sands
+from taichi_silo.faults import BadInput
+from taichi_silo.scene_file import scene_of
+
+TOML = [pytest.param(block, id=str(block)) for block in blocks("toml")]
+
+
+@pytest.mark.parametrize("block", TOML)
+def test_a_file_in_the_pages_is_possible(block, tmp_path):
+    beside(block, tmp_path)
+    file = tmp_path / block.title
+    file.write_text(block.text, encoding="utf-8")
+    if block.title == "silo.toml":
+        assert scene_of(tomllib.loads(block.text)).points > 0
+    elif block.title == "sand.toml":
+        assert sands.sand(str(file), 0.65).void_ratio == 0.65
+    else:
+        assert block.title == "sweep.toml"
+        (tmp_path / "silo.toml").touch()
+        from taichi_silo.sweep.file import read
+
+        assert len(read(file).scenes()) > 1
+
+
+@pytest.mark.parametrize("block", [pytest.param(block, id=str(block)) for block in blocks("csv")])
+def test_measurements_in_the_pages_can_be_read(block, tmp_path):
+    from taichi_silo.compare.measured import read
+
+    file = tmp_path / block.title
+    file.write_text(block.text, encoding="utf-8")
+    assert len(read(file).table) > 1
+
+
+def test_a_value_that_is_not_possible_is_noticed():
+    block = next(one for one in blocks("toml") if one.page == "tutorial.md")
+    with pytest.raises((ValueError, BadInput)):
+        scene_of(tomllib.loads(block.text.replace('name = "hostun"', 'name = "hostum"')))

@@ -1,0 +1,392 @@
+"""Runs side by side: measurements are read, differences are what a hand computes, and the paper's cases are known."""
+
+import json
+import shutil
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+
+from taichi_silo import app
+from taichi_silo.compare.deviation import curve, deviations
+from taichi_silo.compare.differences import PROFILE, differences, janssen
+from taichi_silo.compare.measured import read
+from taichi_silo.compare.paper import against_paper, of_case
+from taichi_silo.compare.runs import read_runs
+from taichi_silo.compare.whole import compared
+from taichi_silo.faults import BadInput
+from taichi_silo.folder import parameters
+from taichi_silo.paper.cases import CASES
+from taichi_silo.paper.recognise import recognised
+from taichi_silo.paper.scenes import scene_of
+from taichi_silo.paper.statements import read as read_statements
+
+PASCALS = 1000.0  # wall stress of a made-up run
+
+
+@pytest.fixture(scope="module")
+def runs(small_run, tmp_path_factory):
+    place = tmp_path_factory.mktemp("compare")
+    return [small_run(place / kind, walls=kind) for kind in ("smooth", "very-rough")]
+
+
+@pytest.fixture
+def made_up(runs, tmp_path):
+    """A function that leaves a run with known numbers: P = p (1 + u / 10 mm) N/m, N = 2 T = 2 p, `factor` kPa."""
+
+    def leave(name, p=100.0, factor=1.0):
+        folder = shutil.copytree(runs[0], tmp_path / name)
+        u = np.linspace(0.0, 0.01, 201)
+        flow = {
+            "stage": "flow", "time_s": 1.0 + 50.0 * u, "displacement_m": u,
+            "bottom_force_N_per_m": p * (1.0 + 100.0 * u),
+            **{f"{wall}_normal_N_per_m": 2.0 * p for wall in ("left", "right")}, "left_shear_N_per_m": 1.2 * p,
+            "right_shear_N_per_m": 0.8 * p, "wall_friction_angle_deg": 26.57, "weight_N_per_m": 1600.0,
+        }  # fmt: skip
+        filling = pd.DataFrame(flow).assign(stage="filling", displacement_m=0.0, time_s=np.linspace(0.0, 1.0, 201))
+        filling = filling.assign(bottom_force_N_per_m=p)
+        pd.concat([filling, pd.DataFrame(flow)]).to_csv(folder / "forces.csv", index=False)
+        height = np.arange(0.0, 0.501, 0.01)
+        rows = [
+            pd.DataFrame({"state": state, "wall": wall, "height_m": height, "normal_stress_Pa": factor * PASCALS,
+                          "shear_stress_Pa": 0.5 * factor * PASCALS})
+            for state in ("filling", "maximum", "residual") for wall in ("left", "right")
+        ]  # fmt: skip
+        pd.concat(rows).to_csv(folder / "walls.csv", index=False)
+        forces = {"bottom_N_per_m": p, "shear_N_per_m": p, "normal_N_per_m": 2.0 * p, "wall_friction_angle_deg": 26.57}
+        summary = {
+            "finished": True, "weight_N_per_m": 1600.0, "filling": forces,
+            "peak": {"max_normal_N_per_m": {"value": 3.0 * p, "displacement_m": 0.004}},
+            "residual": {name: 4.0 * value for name, value in forces.items()},
+            "largest_overpressure": {"factor": 2.0 * factor},
+            "janssen": {"pressure_ratio_K0": 0.4, "normal_N_per_m_K0": 160.0, "wall_friction_angle_deg": 19.0},
+        }  # fmt: skip
+        (folder / "summary.json").write_text(json.dumps(summary))
+        return folder
+
+    return leave
+
+
+def table(tmp_path, text, name="measured.csv"):
+    file = tmp_path / name
+    file.write_bytes(text.encode() if isinstance(text, str) else text)
+    return file
+
+
+# the table of differences
+
+
+def at(rows, run, quantity, state):
+    found = rows[(rows.run == run) & (rows.quantity == quantity) & (rows.state == state)]
+    assert len(found) == 1
+    return found.iloc[0]
+
+
+def test_differences_are_those_of_hand_computation(made_up):
+    rows = differences(read_runs([made_up("a", p=100.0), made_up("b", p=150.0, factor=1.2)]))
+    filled = at(rows, "b", "wall normal N", "filled")
+    assert (filled.value, filled.first_value, filled.difference, filled.difference_percent) == (
+        300.0,
+        200.0,
+        100.0,
+        50.0,
+    )
+    assert filled.unit == "N/m"
+    assert at(rows, "b", "bottom force P", "residual").value == 600.0
+    assert at(rows, "b", "wall normal N", "peak").value == 450.0
+    assert at(rows, "a", "wall normal N", "peak").difference == 0.0
+    assert at(rows, "b", "wall normal N, displacement", "peak").value == 0.004
+    assert at(rows, "b", "largest wall normal stress", "filled").difference_percent == pytest.approx(20.0)
+    assert at(rows, "b", "over-pressure", "").difference_percent == pytest.approx(20.0)
+    rms = at(rows, "b", PROFILE, "residual")
+    assert rms.value == pytest.approx(200.0)
+    assert rms.difference_percent == pytest.approx(20.0)
+    assert at(rows, "a", PROFILE, "residual").value == 0.0
+
+
+def test_what_a_run_does_not_know_is_no_number(made_up):
+    rows = differences(read_runs([made_up("a"), made_up("b")]))
+    missing = at(rows, "b", "wall friction T", "peak")
+    assert missing.value is None and missing.difference is None and missing.difference_percent is None
+    assert at(rows, "b", "discharge rate", "").value is None
+
+
+def test_janssen_stands_beside_the_filled_state(made_up):
+    rows = janssen(read_runs([made_up("a")]))
+    assert len(rows) == 1  # only N has a theory there
+    row = rows.iloc[0]
+    assert (row.force, row.theory, row.value, row.difference) == ("N", 160.0, 200.0, 40.0)
+    assert row.difference_percent == pytest.approx(25.0)
+    assert row.origin == "K0 of the law"
+
+
+def test_runs_of_the_same_name_are_told_apart(runs, tmp_path):
+    for place in ("one", "two"):
+        shutil.copytree(runs[0], tmp_path / place / "run")
+    assert [run.label for run in read_runs([tmp_path / "one/run", tmp_path / "two/run"])] == ["one/run", "two/run"]
+    with pytest.raises(BadInput, match="given twice"):
+        read_runs([tmp_path / "one/run", tmp_path / "one/../one/run"])
+
+
+# reading measurements
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "displacement_m,P_N_per_m,N_kN_per_m\n0.001,110,0.2\n0.002,120,0.3\n",
+        "displacement_mm;P_kN_per_m;N_kN_per_m\r\n1;0,110;0,2\r\n2;0,120;0,3\r\n",
+        "\ufeffdisplacement_mm;bottom_force_N_per_m;n_kn_per_m;;\n2;120;0.3;;\n\n1;110;0.2;;\n",
+        '"displacement_mm","P_kN_per_m","N_N_per_m"\n1,0.110,200\n2,0.120,300\n',
+    ],
+    ids=["SI", "decimal commas", "spreadsheet, unordered", "quoted"],
+)
+def test_units_and_separators_are_recognised(tmp_path, text):
+    found = read(table(tmp_path, text))
+    assert (found.kind, found.place, found.quantities) == ("curves", "displacement_m", ["P", "N"])
+    assert found.table.displacement_m.tolist() == pytest.approx([0.001, 0.002])
+    assert found.table.P.tolist() == pytest.approx([110.0, 120.0])
+    assert found.table.N.tolist() == pytest.approx([200.0, 300.0])
+
+
+def test_a_profile_has_states_and_walls(tmp_path):
+    text = "height_mm;normal_stress_kPa;shear_stress_Pa;state;wall\n100;1,5;300;filled;left\n50;2;400;residual;right\n"
+    found = read(table(tmp_path, text))
+    assert found.kind == "profile"
+    rows = found.table.to_dict("list")
+    assert rows["height_m"] == pytest.approx([0.05, 0.1])
+    assert rows["normal_stress_Pa"] == pytest.approx([2000.0, 1500.0])
+    assert rows["state"] == ["residual", "filling"]
+    assert rows["wall"] == ["right", "left"]
+    plain = read(table(tmp_path, "height_m,normal_stress_Pa\n0.1,5\n", "plain.csv"))
+    assert plain.table.iloc[0][["state", "wall"]].tolist() == ["", "both"]
+
+
+def test_gaps_are_left_out_and_doubles_are_averaged(tmp_path):
+    found = read(table(tmp_path, "time_s,P_N_per_m,T_N_per_m\n1,10,\n1,20,4\n2,,6\n"))
+    assert found.place == "time_s"
+    assert found.table.P.tolist()[0] == 15.0
+    assert np.isnan(found.table.P.tolist()[1])
+    assert found.table["T"].tolist() == [4.0, 6.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("displacement_mm,P_kN\n1,2\n", ["P_kN", "displacement_m, displacement_mm or time_s", "P_N_per_m", "height_m"]),
+        ("displacement_mm,force\n1,2\n", ["force", "bottom_force_N_per_m", "_kN_per_m", "normal_stress_Pa"]),
+        ("P_kN_per_m,N_kN_per_m\n1,2\n", ["P_kN_per_m, N_kN_per_m", "displacement_m"]),
+        ("displacement_mm\n1\n", ["displacement_mm", "left_normal_N_per_m"]),
+        ("displacement_mm,time_s,P_N_per_m\n1,2,3\n", ["displacement_mm, time_s", "displacement_mm or time_s"]),
+        ("displacement_mm,P_kN_per_m,bottom_force_N_per_m\n1,2,3\n", ["twice"]),
+        ("displacement_mm,normal_stress_Pa\n1,2\n", ["curves", "profile"]),
+        ("height_m,normal_stress_Pa,state\n1,2,emptied\n", ["line 2", "emptied", "filling", "residual"]),
+        ("height_m,normal_stress_Pa,wall\n1,2,front\n", ["front", "left, right, both"]),
+        ("displacement_mm,P_kN_per_m\n1,2\n3,x\n", ["line 3", "P_kN_per_m is x", "number"]),
+        ("displacement_mm,P_kN_per_m\n1,nan\n", ["line 2", "nan", "number"]),
+        ("displacement_mm,P_kN_per_m\n0,5,1,2\n", ["line 2", "4 values", "2", "semicolons"]),
+        ("displacement_mm;P_kN_per_m\n1\n", ["line 2", "1 values", "2"]),
+        ("displacement_mm,P_kN_per_m\n,2\n", ["empty displacement_m"]),
+        ("displacement_mm,P_kN_per_m\n", ["no rows"]),
+        ("displacement_mm,,P_kN_per_m\n1,2,3\n", ["without a name"]),
+        ('displacement_mm,P_kN_per_m\n1,"2\n3"\n', ["line breaks"]),
+        ("\n\n", ["is empty"]),
+        (b"\xff\xfe\x00d\x00i", ["cannot be read"]),
+    ],
+)
+def test_a_file_that_is_not_right_is_refused_with_what_would_be_right(tmp_path, text, words):
+    with pytest.raises(BadInput) as caught:
+        read(table(tmp_path, text))
+    assert all(word in str(caught.value) for word in ["measured.csv", *words]), caught.value
+    assert not str(caught.value).endswith(".")
+
+
+def test_a_file_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(BadInput, match="nothing.csv cannot be read"):
+        read(tmp_path / "nothing.csv")
+
+
+# deviations
+
+
+def test_deviations_over_the_common_range_are_those_of_hand_computation(made_up, tmp_path):
+    text = "displacement_mm,P_N_per_m,left_shear_N_per_m\n2,110,120\n6,180,120\n10,190,120\n30,400,120\n"
+    rows = deviations(read_runs([made_up("a")]), [read(table(tmp_path, text))]).set_index("quantity")
+    force = rows.loc["P"]  # the run has 120, 160, 200: deviations 10, -20, 10
+    assert force.points == 3
+    assert (force.begin, force.end) == pytest.approx((0.002, 0.010))
+    assert force.rms == pytest.approx(np.sqrt(600.0 / 3.0), rel=5e-3)  # the median lags at the end
+    assert force.largest == pytest.approx(-20.0, rel=1e-3)
+    assert force.largest_at == pytest.approx(0.006)
+    assert force.measured_peak == 400.0
+    assert force.rms_percent == pytest.approx(100.0 * force.rms / 400.0)
+    assert force.largest_percent == pytest.approx(-5.0, rel=1e-3)
+    assert rows.loc["left_shear"].rms == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_curve_in_time_counts_from_the_begin_of_the_outflow(made_up, tmp_path):
+    measured = read(table(tmp_path, "time_s,P_kN_per_m\n0,0.1\n0.25,0.15\n0.5,0.2\n"))
+    rows = deviations(read_runs([made_up("a")]), [measured])
+    assert rows.points.tolist() == [3]
+    assert rows.rms.iloc[0] == pytest.approx(0.0, abs=0.5)
+
+
+def test_a_profile_without_a_state_is_set_beside_all_three(made_up, tmp_path):
+    run = read_runs([made_up("a", factor=2.0)])
+    rows = deviations(run, [read(table(tmp_path, "height_m,normal_stress_kPa\n0.1,1.5\n0.2,1.5\n0.9,7\n"))])
+    assert rows.state.tolist() == ["filling", "maximum", "residual"]
+    assert rows.points.tolist() == [2, 2, 2]
+    assert rows.rms.tolist() == pytest.approx([500.0] * 3)
+    assert rows.rms_percent.tolist() == pytest.approx([100.0 * 500.0 / 7000.0] * 3)
+
+
+def test_nothing_in_common_is_said_and_no_error(made_up, tmp_path):
+    rows = deviations(read_runs([made_up("a")]), [read(table(tmp_path, "displacement_mm,P_N_per_m\n50,1\n60,2\n"))])
+    assert rows.points.tolist() == [0]
+    assert rows.rms.tolist() == [None]
+
+
+def test_a_run_deviates_from_its_own_curve_by_nothing(runs, tmp_path):
+    run = read_runs(runs[:1])[0]
+    u, n = curve(run, "N")
+    rows = [f"{1e3 * a:.9g},{1e-3 * b:.12g}" for a, b in zip(u[::7], n[::7], strict=True)]
+    rows = deviations([run], [read(table(tmp_path, "displacement_mm,N_kN_per_m\n" + "\n".join(rows)))])
+    assert rows.points.iloc[0] == len(u[::7])
+    assert rows.largest_percent.iloc[0] == pytest.approx(0.0, abs=1e-3)
+
+
+# the paper
+
+
+def test_each_of_the_papers_cases_is_recognised_from_its_parameters():
+    for name, case in CASES.items():
+        found = recognised(parameters(scene_of(case)))
+        assert found.case is case, name
+        assert found.differences == ()
+
+
+def test_what_was_computed_otherwise_is_named():
+    found = recognised(parameters(scene_of(CASES["dense_smooth_bottom"], cell_size_m=0.01, speed_m_per_s=0.005)))
+    assert found.case is CASES["dense_smooth_bottom"]
+    assert set(found.differences) == {("grid.cell_size_m", 0.01, 0.005), ("flow.speed_m_per_s", 0.005, 0.002)}
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [("silo.width_m", 0.25), ("sand.void_ratio", 0.65), ("sand.e_c0", 0.83), ("walls.friction_angle_deg", 20.0)],
+)
+def test_another_silo_is_none_of_the_papers(path, value):
+    tables = parameters(scene_of(CASES["dense_smooth_bottom"]))
+    name, key = path.split(".")
+    tables[name] = tables[name] | {key: value}
+    found = recognised(tables)
+    assert found.case is None
+    assert [one[0] for one in found.differences] == [path]
+
+
+def test_relations_need_the_other_run_too(runs):
+    alone = against_paper(read_runs(runs[1:]))[0]
+    both = {one.label: one for one in against_paper(read_runs(runs))}["very-rough"]
+    assert alone.known.case is CASES["dense_very-rough_bottom"]
+    assert alone.others > both.others > 0
+    assert "6.1-start-rougher" in set(both.rows.id) - set(alone.rows.id)
+    assert set(both.rows.agrees) <= {"yes", "partly", "no", "by eye"}
+    assert set(both.rows.case) == {"dense_very-rough_bottom"}
+    assert len(both.rows) + both.others == len(alone.rows) + alone.others
+
+
+def test_a_statement_is_judged_for_one_case_alone_without_the_reasons_of_other_runs():
+    one = next(one for one in read_statements()[0] if one.id == "6.1-start-rougher")
+    assert of_case(one, "dense_very-rough_bottom", {"dense_very-rough_bottom"}) is None
+    own = of_case(one, "dense_very-rough_bottom", {"dense_very-rough_bottom", "dense_smooth_bottom"})
+    assert own.needs == ["dense_very-rough_bottom", "dense_smooth_bottom"]
+    assert own.reason == "" and own.seen == ""
+
+
+# the command
+
+
+def call(monkeypatch, capsys, *words):
+    monkeypatch.setattr(sys, "argv", ["taichi-silo", *map(str, words)])
+    with pytest.raises(SystemExit) as ended:
+        app.main()
+    said = capsys.readouterr()
+    return ended.value.code, said.out, said.err
+
+
+def test_the_command_leaves_tables_and_figures(runs, tmp_path, monkeypatch, capsys):
+    file = table(tmp_path, "displacement_mm,N_kN_per_m\n1,0.6\n5,0.7\n")
+    profile = table(tmp_path, "height_m,normal_stress_kPa,wall\n0.1,2,left\n0.3,1,left\n", "cells.csv")
+    output = tmp_path / "out"
+    flags = ("--janssen", "--paper", "--csv", file, "--csv", profile, "--output", output)
+    code, said, _ = call(monkeypatch, capsys, "compare", *runs, *flags)
+    assert code == 0
+    for words in (
+        "Differences, per cent against smooth",
+        "wall normal N, filled",
+        "Janssen's theory",
+        "Deviation from",
+    ):
+        assert words in said
+    names = ["compare.csv", "compare_forces.png", "compare_walls.png", "deviation.csv", "janssen.csv", "paper.csv"]
+    assert sorted(file.name for file in output.iterdir()) == names
+    rows = pd.read_csv(output / "compare.csv")
+    for label, folder in zip(("smooth", "very-rough"), runs, strict=True):
+        summary = json.loads((folder / "summary.json").read_text())
+        one = rows[(rows.run == label) & (rows.quantity == "wall normal N") & (rows.state == "residual")]
+        assert one.value.iloc[0] == pytest.approx(summary["residual"]["normal_N_per_m"])
+    for name in names[1:3]:
+        image = np.asarray(Image.open(output / name).convert("RGB"))
+        assert np.mean(np.any(image < 200, axis=2)) > 0.01
+
+
+def test_json_gives_all_numbers_in_one_object(runs, tmp_path, monkeypatch, capsys):
+    code, said, err = call(
+        monkeypatch, capsys, "compare", *runs, "--janssen", "--paper", "--json", "--output", tmp_path
+    )
+    assert code == 0
+    found = json.loads(said)
+    assert set(found) == {"runs", "differences", "janssen", "paper", "files"}
+    assert list(found["runs"]) == ["smooth", "very-rough"]
+    assert {row["run"] for row in found["differences"]} == {"smooth", "very-rough"}
+    assert found["paper"][1]["case"] == "dense_very-rough_bottom"
+    assert "Differences" in err  # for a person, beside it
+
+
+def test_an_earlier_comparison_is_replaced_as_a_whole(runs, tmp_path):
+    compared(runs, tmp_path, janssen=True, paper=False, csv=[])
+    assert (tmp_path / "janssen.csv").exists()
+    compared(runs, tmp_path, janssen=False, paper=False, csv=[])
+    assert not (tmp_path / "janssen.csv").exists()
+
+
+def test_what_cannot_be_compared_is_refused_before_anything_is_written(runs, tmp_path, monkeypatch, capsys):
+    output = tmp_path / "out"
+    curves = table(tmp_path, "displacement_mm,P_N_per_m\n1,2\n")
+    times = table(tmp_path, "time_s,P_N_per_m\n1,2\n", "times.csv")
+    for words, said in (
+        ([runs[0]], "runs: there is 1"),
+        ([runs[0], tmp_path], "holds no run.toml"),
+        ([runs[0], runs[0]], "given twice"),
+        ([*runs, "--csv", tmp_path / "no.csv"], "no.csv cannot be read"),
+        ([*runs, "--csv", curves, "--csv", times], "over displacement and over time"),
+    ):
+        code, _, err = call(monkeypatch, capsys, "compare", *words, "--output", output)
+        assert code == 2
+        assert said in err
+        assert err.count("\n") == 1
+        assert not output.exists()
+
+
+def test_the_report_command_says_where_the_page_is(runs, tmp_path, monkeypatch, capsys):
+    code, said, _ = call(monkeypatch, capsys, "report", runs[0], "--output", tmp_path / "page.html", "--json")
+    assert code == 0
+    assert json.loads(said)["report"] == str(tmp_path / "page.html")
+    code, said, _ = call(monkeypatch, capsys, "report", runs[0], "--quiet")
+    assert (code, said) == (0, "")
+    assert (runs[0] / "report.html").exists()
+    code, _, err = call(monkeypatch, capsys, "report", tmp_path)
+    assert code == 2
+    assert "holds no run.toml" in err

@@ -1,0 +1,390 @@
+"""The report of a run: what stands in it, and what becomes of it when files are missing or damaged."""
+
+import json
+import re
+import shutil
+from html.parser import HTMLParser
+
+import numpy as np
+import pandas as pd
+import pytest
+import tomli_w
+
+from taichi_silo.faults import BadInput
+from taichi_silo.folder import parameters
+from taichi_silo.plots.run_files import RunFiles
+from taichi_silo.report.drawing import drawing
+from taichi_silo.report.key import key_numbers
+from taichi_silo.report.limits import known_limits
+from taichi_silo.report.page import page, write_report
+from taichi_silo.report.parameters import meaning, parameter_tables, unit
+from taichi_silo.report.states import discharge_rate_kg_per_s_m, forces_of, largest_hopper_stress, largest_wall_stress
+from taichi_silo.report.tables import stress_table
+from taichi_silo.report.trust import verdict
+from taichi_silo.report.words import kN, mm, number, per_cent, plain
+from taichi_silo.scene import Flow, Mesh, Scene
+from taichi_silo.vessel import Hopper, Insert, Outlet, Silo
+
+HOPPER = Silo(hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.1))
+
+
+@pytest.fixture(scope="module")
+def run(small_run, tmp_path_factory):
+    return small_run(tmp_path_factory.mktemp("report") / "smooth", film=True)
+
+
+@pytest.fixture(scope="module")
+def hopper(small_run, tmp_path_factory):
+    return small_run(tmp_path_factory.mktemp("report") / "hopper", silo=HOPPER)
+
+
+@pytest.fixture
+def copy(run, tmp_path):
+    return shutil.copytree(run, tmp_path / "copy")
+
+
+class Outline(HTMLParser):
+    """Counts tags, and keeps addresses and words."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.addresses, self.said, self.skip = {}, [], [], False
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags[tag] = self.tags.get(tag, 0) + 1
+        self.addresses += [value for name, value in attrs if name in ("src", "href", "poster", "xlink:href")]
+        self.skip = tag == "style"
+
+    def handle_endtag(self, tag):
+        self.skip = False
+
+    def handle_data(self, data):
+        if not self.skip:
+            self.said.append(data)
+
+    @property
+    def words(self):
+        return " ".join(" ".join(self.said).split())
+
+
+def outline(folder):
+    return Outline(write_report(folder).read_text(encoding="utf-8"))
+
+
+def test_the_page_needs_no_other_file(run):
+    text = write_report(run).read_text(encoding="utf-8")
+    found = Outline(text)
+    assert found.addresses
+    assert all(address.startswith(("data:", "#")) for address in found.addresses)
+    assert not re.search(r"url\(|@import|https?://", text)
+    assert not list(run.glob("*.part"))
+
+
+def test_film_figures_and_drawing_are_in_it(run):
+    found = outline(run)
+    assert found.tags["video"] == 1
+    assert found.tags["svg"] == 1
+    assert found.tags["img"] == 1 + len(list((run / "figures").glob("*.png")))  # and the film as a still for paper
+    film, poster = (
+        next(a for a in found.addresses if a.startswith(kind)) for kind in ("data:video/mp4", "data:image/jpeg")
+    )
+    assert len(film) > (run / "void_ratio.mp4").stat().st_size
+    assert len(poster) > 10_000
+
+
+def test_key_numbers_are_those_of_the_summary(run):
+    summary, words = json.loads((run / "summary.json").read_text()), outline(run).words
+    largest = max(one["pressure_cell"] for one in summary["largest_wall_normal_stress_Pa"].values())
+    assert largest_wall_stress(RunFiles.read(run)).stress_Pa == pytest.approx(largest, rel=1e-9)
+    peak = summary["peak"]
+    for value in (
+        largest, peak["max_normal_N_per_m"]["value"], peak["max_shear_N_per_m"]["value"],
+        peak["min_bottom_N_per_m"]["value"], summary["filling"]["normal_N_per_m"],
+        summary["residual"]["normal_N_per_m"], summary["janssen"]["normal_N_per_m_K0"],
+    ):  # fmt: skip
+        assert kN(value) in words
+    assert f"× {number(summary['largest_overpressure']['factor'])}" in words
+    assert "Mass flow" in words
+    assert f"taichi-silo run {run.as_posix()}/run.toml" in words
+
+
+def test_the_largest_pressure_is_that_of_the_whole_flow(run, copy):
+    summary = json.loads((run / "summary.json").read_text())
+    found, states = summary["largest_wall_normal_stress_in_flow"], summary["largest_wall_normal_stress_Pa"]
+    assert found["normal_stress_Pa"] >= (1.0 - 1e-4) * max(
+        states[name]["pressure_cell"] for name in ("maximum", "residual")
+    )
+    assert 0.0 < found["height_m"] < 0.5
+    assert 0.0 < found["displacement_m"] <= 0.01
+    changed_summary(
+        copy, largest_wall_normal_stress_in_flow=found | {"normal_stress_Pa": 9876.0, "displacement_m": 0.003}
+    )
+    first = key_numbers(RunFiles.read(copy))[0]
+    assert (first.name, first.value) == ("Largest wall pressure", "9.88")
+    assert "in flow at u = 3 mm" in first.words
+
+
+def test_every_parameter_stands_with_its_unit(run):
+    found, tables = outline(run).words, RunFiles.read(run).parameters
+    rows = {f"{title}.{row.name}": row for title, rows in parameter_tables(tables) for row in rows}
+    assert rows["Grid and points.cell_size_m"].value == "0.05"
+    assert rows["Grid and points.cell_size_m"].unit == "m"
+    assert all(row.means for row in rows.values())
+    assert all(row.name in found for row in rows.values())
+
+    def leaves(inner):
+        return sum(leaves(value) if isinstance(value, dict) else 1 for value in inner.values())
+
+    assert len(rows) == leaves(tables)
+
+
+def test_each_part_and_each_check_is_explained(run):
+    summary, words = json.loads((run / "summary.json").read_text()), outline(run).words
+    assert all(part["because"] in words for part in summary["parts"])
+    checks = verdict(RunFiles.read(run)).checks
+    assert len(checks) >= 10
+    assert all(check.means in words and check.limit in words for check in checks)
+
+
+def test_theory_stands_beside_the_stresses_of_the_run(run):
+    table, files = stress_table(RunFiles.read(run)), RunFiles.read(run)
+    assert table.head[:3] == ("height (mm)", "after filling", "Janssen, K₀ of the law")
+    middle = next(row for row in table.rows if row[0] == "250")
+    theory = files.janssen(files.pressure_ratios["K0 of the law"]).normal_stress_Pa(0.25)
+    code = files.eurocode.discharge_normal_Pa(0.25)
+    assert middle[2] == kN(float(theory))
+    assert middle[-1] == kN(float(code))
+    assert float(middle[1]) == pytest.approx(float(theory) / 1e3, rel=0.1)
+
+
+def test_a_hopper_has_walkers_theory_and_its_own_pressure(hopper):
+    found = outline(hopper)
+    assert "On the walls of the hopper" in found.words
+    assert "Largest pressure, hopper" in found.words
+    assert found.tags.get("video") is None
+    assert "no film" in found.words
+    walls = pd.read_csv(hopper / "walls.csv")
+    largest = walls[walls.wall.str.startswith("hopper")].normal_stress_Pa.max()
+    assert 0.0 < largest_hopper_stress(RunFiles.read(hopper)).stress_Pa <= largest
+
+
+def changed_summary(folder, **values):
+    file = folder / "summary.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | values))
+
+
+def changed_certificate(folder, **values):
+    certificate = json.loads((folder / "summary.json").read_text())["certificate"]
+    changed_summary(folder, certificate=certificate | values)
+    return verdict(RunFiles.read(folder))
+
+
+def test_the_verdict_follows_the_certificate(copy):
+    clean = {
+        "inertial_number_99th_percentile": 1e-6, "noise_of_normal_force": 1e-4, "mean_void_ratio_drift": -1e-5,
+        "largest_noise_control_force_over_weight": 1e-4, "core_strain_path": 1e-5, "settled_before_flow": True,
+        "left_right_difference_over_weight": 1e-9, "unexplained_densification": 1e-5,
+        "kinetic_energy_over_rigid_motion": [0.99, 1.01],
+    }  # fmt: skip
+    assert changed_certificate(copy, **clean).level == "good"
+    care = changed_certificate(copy, noise_of_normal_force=0.011)
+    assert care.level == "care"
+    assert "noise of N" in care.words
+    assert changed_certificate(copy, noise_of_normal_force=1e-4, mean_void_ratio_drift=-0.004).level == "care"
+    wrong = changed_certificate(copy, force_balance_residual_over_weight=1e-6)
+    assert wrong.level == "bad"
+    assert "balance of forces" in wrong.words
+
+
+def test_a_run_that_failed_says_so_first(copy):
+    changed_summary(copy, finished=False, failure="at t = 0.3 s a point was lost", warnings=["It ratchets."])
+    words = outline(copy).words
+    assert words.index("This run failed") < words.index("Largest wall pressure")
+    assert "at t = 0.3 s a point was lost" in words
+    assert "It ratchets." in words
+    assert "The run did not come to its end" in words
+
+
+def test_a_run_that_was_stopped_says_how_far_it_came(copy):
+    changed_summary(copy, finished=False, failure="KeyboardInterrupt")
+    assert "It had reached u = 10 mm of 10 mm" in outline(copy).words
+
+
+def test_a_run_that_still_goes_on_has_a_report(copy):
+    for name in ("summary.json", "walls.csv", "void_ratio.mp4"):
+        (copy / name).unlink()
+    shutil.rmtree(copy / "figures")
+    forces = pd.read_csv(copy / "forces.csv")
+    forces[forces.stage == "filling"].head(30).to_csv(copy / "forces.csv", index=False)
+    words = outline(copy).words
+    assert "This run has not ended" in words
+    assert "still being filled" in words
+    assert "No certificate" in words
+    assert (copy / "figures" / "forces.png").exists()  # drawn from what is there
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("summary.json", b"{ no"), ("summary.json", b"[1, 2]"), ("forces.csv", b"\xff\xfe\x00\x01"),
+        ("walls.csv", b"state,wall\nfilling,left\n"), ("snapshots/index.csv", b"nothing\n1\n"),
+    ],
+)  # fmt: skip
+def test_a_damaged_file_is_named_and_left_out(copy, name, content):
+    (copy / name).write_bytes(content)
+    words = outline(copy).words
+    assert f"{name.rpartition('/')[2]} is damaged and was left out." in words
+
+
+@pytest.mark.parametrize("name", ["void_ratio.mp4", "figures/forces.png"])
+def test_a_film_or_a_figure_that_was_cut_off_is_left_out(copy, name):
+    file = copy / name
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 3])
+    found = outline(copy)
+    if name.endswith("mp4"):
+        assert "video" not in found.tags
+        assert found.tags["img"] == 4
+    else:
+        assert found.tags["img"] == 1 + 3
+
+
+def test_words_in_place_of_numbers_read_as_none(copy):
+    forces = pd.read_csv(copy / "forces.csv").astype(object)
+    forces.iloc[-1, 3] = "garbage"
+    forces.to_csv(copy / "forces.csv", index=False)
+    assert np.isnan(RunFiles.read(copy).forces.bottom_force_N_per_m.iloc[-1])
+    assert outline(copy).tags["video"] == 1
+
+
+def test_what_is_written_in_a_run_is_text_and_no_markup(copy):
+    changed_summary(copy, warnings=["<script>alert(1)</script>"])
+    text = write_report(copy).read_text(encoding="utf-8")
+    assert "<script" not in text
+    assert "&lt;script&gt;" in text
+
+
+def refused(folder, *words, output=None):
+    with pytest.raises(BadInput) as caught:
+        write_report(folder, output)
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+def test_what_is_no_run_of_a_silo_is_refused(tmp_path, copy):
+    refused(tmp_path / "nowhere", "nowhere", "no such folder")
+    refused(tmp_path, "run.toml")
+    (copy / "run.toml").write_text("[silo")
+    refused(copy, "run.toml is damaged")
+    (copy / "run.toml").write_text('test = "oedometer"')
+    refused(copy, "names no silo")
+    (copy / "run.toml").write_text("[silo]\nwidth_m = -1.0")
+    refused(copy, "not possible")
+
+
+def test_an_output_that_cannot_be_written_is_refused_and_leaves_nothing(copy, tmp_path):
+    refused(copy, "a folder", output=tmp_path)
+    (tmp_path / "file").write_text("")
+    refused(copy, "cannot be written", output=tmp_path / "file" / "report.html")
+    assert write_report(copy, tmp_path / "new" / "page.html") == tmp_path / "new" / "page.html"
+    assert [file.name for file in (tmp_path / "new").iterdir()] == ["page.html"]
+
+
+def written(folder, scene):
+    folder.mkdir(parents=True)
+    (folder / "run.toml").write_text(tomli_w.dumps(parameters(scene)))
+    return RunFiles.read(folder)
+
+
+@pytest.mark.parametrize(
+    ("silo", "words"),
+    [
+        (Silo(), ["200 mm", "500 mm", "bottom: 20 mm at 2 mm/s"]),
+        (Silo(outlet=Outlet(width_m=0.08, position="right")), ["80 mm", "gate: 20 mm at 2 mm/s"]),
+        (HOPPER, ["20° from", "137.4 mm", "100 mm"]),
+        (Silo(section="round", outlet=Outlet(width_m=0.1)), ["⌀ 200 mm", "100 mm"]),
+        (Silo(width_m=12.0, height_m=30.0), ["12 m", "30 m"]),
+        (
+            Silo(outlet=Outlet(width_m=0.08), inserts=(Insert(kind="cylinder", width_m=0.06, bottom_m=0.15),)),
+            ["60 mm", "150 mm"],
+        ),
+        (
+            Silo.polygon(
+                [(0.06, 0.0), (0.14, 0.0), (0.2, 0.2), (0.2, 0.5), (0.0, 0.5), (0.0, 0.1)],
+                inserts=(Insert.polygon([(0.075, 0.24), (0.125, 0.24), (0.1, 0.29)]),),
+            ),
+            ["80 mm", "200 mm", "50 mm", "240 mm"],
+        ),
+    ],
+)
+def test_a_drawing_has_the_silos_dimensions(tmp_path, silo, words):
+    run = written(tmp_path / "run", Scene(silo=silo, grid=Mesh(cell_size_m=silo.width_m / 40)))
+    text = drawing(run)
+    assert all(f">{word}</text>" in text for word in words), text
+    wide, high = map(float, re.search(r'viewBox="0 0 (\d+) (\d+)"', text).groups())
+    for kind, values in re.findall(r'\b(x\d?|y\d?)="([-\d.]+)"', text):
+        assert 0.0 <= float(values) <= (wide if kind.startswith("x") else high)
+    for points in re.findall(r'points="([^"]+)"', text):
+        for x, y in (point.split(",") for point in points.split()):
+            assert 0.0 <= float(x) <= wide
+            assert 0.0 <= float(y) <= high
+    assert text.count('class="solid"') == len(silo.solids())
+
+
+def test_free_outflow_has_a_rate_and_no_quasi_static_limits(tmp_path):
+    silo = Silo(outlet=Outlet(width_m=0.1))
+    run = written(tmp_path / "run", Scene(silo=silo, grid=Mesh(cell_size_m=0.01), flow=Flow(outflow="gravity")))
+    time = np.linspace(0.0, 2.0, 201)
+    gone = np.minimum(100.0 * np.maximum(time - 0.2, 0.0), 160.0)  # of 165.6 kg/m
+    forces = pd.DataFrame(dict.fromkeys(RunFiles.read(tmp_path / "run").forces.columns, 0.0), index=range(201))
+    forces = forces.assign(stage="flow", time_s=time, weight_N_per_m=9.81 * (165.625 - gone), discharged_kg_per_m=gone)
+    forces.to_csv(tmp_path / "run" / "forces.csv", index=False)
+    (tmp_path / "run" / "summary.json").write_text(
+        json.dumps({"finished": True, "certificate": {"inertial_number_99th_percentile": 0.4}})
+    )
+    run = RunFiles.read(tmp_path / "run")
+    assert discharge_rate_kg_per_s_m(run) == pytest.approx(100.0, rel=1e-6)
+    assert [check.passed for check in verdict(run).checks] == [None]
+    assert "opened, sand falls out" in page(run)
+
+
+def test_known_limits_are_those_of_the_kind_of_run(tmp_path):
+    rough = written(tmp_path / "rough", Scene(grid=Mesh(cell_size_m=0.01)))
+    assert any("not converged" in words for words in known_limits(rough))
+    narrow = Silo(outlet=Outlet(width_m=0.06))
+    narrow = written(
+        tmp_path / "narrow", Scene(silo=narrow, grid=Mesh(cell_size_m=0.01), flow=Flow(speed_m_per_s=0.02))
+    )
+    assert any("6 cells wide" in words for words in known_limits(narrow))
+    assert any("driven at 20 mm/s" in words for words in known_limits(narrow))
+    smooth = written(tmp_path / "smooth", Scene(walls={"kind": "smooth"}))
+    assert known_limits(smooth) == []
+
+
+def test_a_run_without_anything_has_no_key_numbers_but_a_page(tmp_path):
+    run = written(tmp_path / "run", Scene(silo=Silo(outlet=Outlet(width_m=0.1)), grid=Mesh(cell_size_m=0.01)))
+    assert key_numbers(run) == []
+    assert all(force.filled is None for force in forces_of(run).values())
+    assert "The run has left none yet." in page(run)
+
+
+def test_numbers_are_read_as_people_read_them():
+    assert [number(x) for x in (1234.5, 0.54, 0.0, None, float("nan"), -2.0)] == [
+        "1,230",
+        "0.540",
+        "0",
+        "–",
+        "–",
+        "−2.00",
+    ]
+    assert number(1.3e-9, 2) == "1.3·10⁻⁹"
+    assert number(0.9999) == "1.00"
+    assert [plain(x) for x in (20.0, 0.0015, 1e-9, 2.5e-7)] == ["20", "0.0015", "10⁻⁹", "2.5·10⁻⁷"]
+    assert [per_cent(x, signed=True) for x in (0.123, -0.5, 1.5)] == ["+12 %", "−50 %", "+150 %"]
+    assert [mm(x) for x in (0.2, 0.0005, 12.0)] == ["200 mm", "0.5 mm", "12 m"]
+
+
+def test_units_come_from_the_ends_of_names():
+    names = ("grain_density_kg_per_m3", "speed_m_per_s", "gravity_m_per_s2", "width_m", "m_R", "n", "half_angle_deg")
+    assert [unit(name) for name in names] == ["kg/m³", "m/s", "m/s²", "m", "", "", "°"]
+    assert meaning("silo.inserts.1.bottom_m") == "lowest place above the floor"
+    assert meaning("program.unknown") == ""

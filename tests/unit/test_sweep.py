@@ -1,0 +1,410 @@
+"""Sweeps: what a file says, what is refused, what is drawn, and what is asked of a cluster."""
+
+import json
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from taichi_silo import Scene
+from taichi_silo.batch.attempt import LOCK, attempt
+from taichi_silo.batch.runs import Run
+from taichi_silo.batch.table import found, row
+from taichi_silo.commands.sweep import sweep as command
+from taichi_silo.faults import BadInput
+from taichi_silo.folder import write_parameters
+from taichi_silo.lock import alone
+from taichi_silo.plots import plot_response
+from taichi_silo.plots.response import label, response_figure
+from taichi_silo.settings import changed, default, known, value, whole
+from taichi_silo.sweep.clusters import NEEDED, Local, Slurm
+from taichi_silo.sweep.file import of_flags, of_tables, read, wanted
+from taichi_silo.sweep.hypercube import Choices, LatinHypercube, Span
+from taichi_silo.sweep.response import PRESSURE, Response
+from taichi_silo.sweep.study import TABLE, Study
+from taichi_silo.tally import Tally
+from taichi_silo.voice import Voice
+
+NOTHING = {"fidelity": None, "film": None, "jobs": None, "scheduler": None, "slurm": False}
+
+
+def sweep(text: str, beside: Path = Path()):
+    return of_tables(tomllib.loads(text), beside)
+
+
+def scenes(text: str, beside: Path = Path()) -> dict[str, Scene]:
+    return sweep(text, beside).scenes()
+
+
+# --- paths through tables and lists that a scene may lack -------------------------------------------------------------
+
+
+def test_a_path_makes_the_tables_and_the_list_entries_on_its_way():
+    scene = changed(Scene(), {"silo.outlet.position": "right", "silo.outlet.width_m": 0.08})
+    assert scene.silo.outlet.model_dump() == {"width_m": 0.08, "position": "right"}
+    roof = {"kind": "roof", "width_m": 0.06, "bottom_m": 0.1}
+    scene = changed(scene, {f"silo.inserts.0.{name}": one for name, one in roof.items()})
+    assert value(scene, "silo.inserts.0.width_m") == 0.06 and value(scene, "silo.inserts.1.width_m") is None
+    assert changed(scene, {"silo.inserts.0.width_m": 0.08}).silo.inserts[0].kind == "roof"
+    with pytest.raises(BadInput, match="silo.inserts.2.width_m; 1 are there, so the next has number 1"):
+        changed(scene, {"silo.inserts.2.width_m": 0.08})
+
+
+def test_a_value_that_is_none_makes_no_table():
+    assert changed(Scene(), {"silo.outlet.width_m": None, "silo.inserts.0.width_m": None}) == Scene()
+    assert default("silo.outlet.width_m") is None and default("silo.outlet.position") == "centre"
+    assert value(Scene(), "silo.hopper.half_angle_deg") is None
+
+
+def test_a_path_is_known_by_what_it_leads_to():
+    assert all(map(known, ("silo.outlet", "silo.outlet.width_m", "silo.inserts", "silo.inserts.3.kind")))
+    assert not any(map(known, ("silo.outlet.0", "silo.inserts.kind", "silo.width_m.0", "silo", "silo.inserts.0")))
+    assert whole("filling.layers") and whole("grid.points_per_cell") and not whole("sand.beta")
+
+
+# --- the file ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_grid_is_every_combination_of_an_inline_scene():
+    found = scenes("""
+        fidelity = "draft"
+        [scene]
+        sand = "hostun"
+        "sand.void_ratio" = 0.7
+        walls.kind = "smooth"
+        machine.threads = 4096
+        [grid]
+        "silo.outlet.width_m" = ["default", 0.08]
+        flow.displacement_m = [0.005, 0.01]
+    """)
+    assert list(found) == [
+        "width-default_displacement-0.005", "width-default_displacement-0.01",
+        "width-0.08_displacement-0.005", "width-0.08_displacement-0.01",
+    ]  # fmt: skip
+    assert [scene.silo.outlet and scene.silo.outlet.width_m for scene in found.values()] == [None, None, 0.08, 0.08]
+    for scene in found.values():
+        assert (scene.sand.granular_hardness_Pa, scene.sand.void_ratio, scene.walls.kind) == (1000e6, 0.7, "smooth")
+        assert scene.flow.speed_m_per_s == 0.02 and scene.machine.threads == 1
+
+
+def test_a_scene_and_a_sand_are_found_beside_the_sweeps_file(tmp_path):
+    (tmp_path / "silo.toml").write_text("[sand]\nvoid_ratio = 0.9\n")
+    (tmp_path / "mine.toml").write_text("""
+        critical_friction_angle_deg = 33.0\ngranular_hardness_Pa = 1e9\nn = 0.3\nalpha = 0.2\nbeta = 1.0
+        e_i0 = 1.3\ne_c0 = 0.8\ne_d0 = 0.5\ngrain_density_kg_per_m3 = 2650.0\nd50_m = 1e-3\n""")
+    (tmp_path / "s.toml").write_text('scene = "silo.toml"\n[grid]\nsand = ["karlsruhe", "mine.toml"]\n')
+    found = read(tmp_path / "s.toml").scenes()
+    assert list(found) == ["sand-karlsruhe", "sand-mine"]
+    assert [scene.sand.critical_friction_angle_deg for scene in found.values()] == [30.0, 33.0]
+    assert {scene.sand.void_ratio for scene in found.values()} == {0.9}
+    assert list(read(tmp_path / "s.toml").model_copy(update={"scene": (tmp_path / "silo.toml",) * 2}).scenes()) == [
+        "silo_sand-karlsruhe", "silo_sand-mine", "silo-2_sand-karlsruhe", "silo-2_sand-mine",
+    ]  # fmt: skip
+
+
+def test_flags_stand_for_a_file():
+    plan = wanted(None, [], ["walls.kind=smooth,very-rough"], NOTHING | {"fidelity": "draft", "film": True, "jobs": 1})
+    assert list(plan.scenes()) == ["walls-smooth", "walls-very-rough"]
+    assert plan.film and plan.cluster == Local(jobs=1)
+    assert {scene.flow.speed_m_per_s for scene in plan.scenes().values()} == {0.02}
+    assert wanted(None, [], ["sand=hostun"], NOTHING | {"slurm": True}).cluster == Slurm()
+    assert wanted(None, [], ["sand=hostun"], NOTHING | {"scheduler": "tcp://a:1"}).cluster.address == "tcp://a:1"
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("gird = {}", "gird is not a parameter of a sweep; did you mean grid?"),
+        ("retries = -1", "retries is -1; it must be at least 0"),
+        ("scene = 3", "scene is 3; it must be a file, a list of files, or a table"),
+        ("grid = 3", "grid is 3; it must be a table"),
+        ("", "nothing varies; a sweep needs a table grid or latin_hypercube"),
+        ('[grid]\n"flow.speed" = [1.0]', "flow.speed varies; .* no such value; did you mean flow.speed_m_per_s"),
+        ('[grid]\n"flow.speed_m_per_s" = 1.0', r"grid.flow.speed_m_per_s is 1.0; it must be a list of values"),
+        ('[grid]\n"flow.speed_m_per_s" = []', "flow.speed_m_per_s varies; it must have a value"),
+        ('[grid]\n"flow.speed_m_per_s" = [0.1, 0.1]', "the value 0.1 is there twice"),
+        ('[grid]\n"flow.speed_m_per_s" = [-0.1]', "flow.speed_m_per_s=-0.1: speed_m_per_s is -0.1; it must be above 0"),
+        ('[grid]\nsand = ["sahara"]', "sand=sahara: sand is sahara; it must be"),
+        ('[grid]\n"silo.inserts.0.width_m" = [0.05]', r"silo.inserts.0.kind is missing; it must be given"),
+        ('[grid]\n"silo.outlet.width_m" = [0.081]', "outlet width is 0.081 m; its edge .* must lie on the grid"),
+        ("[grid]\nfilling.layers = [2]\n[latin_hypercube]\nruns = 2\nbetween.flow.displacement_m = [0.1, 0.2]",
+         "a sweep has a grid or a latin_hypercube, not both"),
+        ("[latin_hypercube]\nruns = 1\nbetween.flow.displacement_m = [0.1, 0.2]",
+         "latin_hypercube.runs is 1; it must be at least 2"),
+        ("[latin_hypercube]\nruns = 2\nseeds = 1\nbetween = {}", "latin_hypercube.seeds is .*; did you mean .*seed"),
+        ("[latin_hypercube]\nruns = 2", "latin_hypercube.between is missing; it must be given"),
+        ("[latin_hypercube]\nruns = 2\nbetween.flow.speed_m_per_s = [0.2, 0.1]",
+         "low is 0.2; it must be below high = 0.1"),
+        ("[latin_hypercube]\nruns = 2\nbetween.flow.speed_m_per_s = [0.1, 0.2, 0.3]",
+         r"flow.speed_m_per_s is \[0.1, 0.2, 0.3\]; it must be \[low, high\]"),
+        ("[latin_hypercube]\nruns = 2\nbetween.flow.speed_m_per_s = {low = 0, high = 1, logarithmic = true}",
+         "low is 0; it must be above 0 for a logarithmic span"),
+        ("[latin_hypercube]\nruns = 2\nbetween.flow.speed_m_per_s = {low = 0, high = 1, stride = 1}",
+         "flow.speed_m_per_s.stride is not a parameter of a sweep"),
+        ("[latin_hypercube]\nruns = 2\nbetween.flow.speeds = [0.1, 0.2]", "flow.speeds varies; a scene has no"),
+        ('[cluster]\nkind = "pbs"', "cluster.kind is pbs; it must be one of local, slurm, scheduler"),
+        ('[cluster]\nkind = "slurm"\nwall_time = "1"', "cluster.wall_time is .*; did you mean cluster.walltime?"),
+        ('[cluster]\nkind = "scheduler"', "cluster.address is missing; it must be given"),
+        ('fidelity = "fine"\n[grid]\nfilling.layers = [2]', "fidelity is fine; it must be one of draft"),
+    ],
+)  # fmt: skip
+def test_what_is_not_possible_is_refused_in_a_sentence(text, sentence):
+    with pytest.raises(BadInput, match=sentence):
+        scenes(text)
+
+
+def test_flags_that_do_not_go_together_are_refused(tmp_path):
+    (tmp_path / "s.toml").write_text("[grid]\nfilling.layers = [2, 3]\n")
+    for file, texts, flags, sentence in (
+        (tmp_path / "s.toml", ["sand=hostun"], {}, "s.toml must say what varies"),
+        (None, ["sand=hostun", "sand=hamburg"], {}, "vary is given twice for sand"),
+        (None, ["sand=hostun"], {"scheduler": "tcp://a:1", "slurm": True}, "must be one of them"),
+        (None, ["sand=hostun"], {"scheduler": "tcp://a:1", "jobs": 2}, "a scheduler, which has its own workers"),
+        (tmp_path / "no.toml", [], {}, "no.toml cannot be read as a sweep"),
+    ):
+        with pytest.raises(BadInput, match=sentence):
+            wanted(file, [], texts, NOTHING | flags)
+
+
+# --- the latin hypercube ----------------------------------------------------------------------------------------------
+
+BETWEEN = {
+    "flow.displacement_m": [0.002, 0.02],
+    "flow.speed_m_per_s": {"low": 1e-3, "high": 1.0, "logarithmic": True},
+    "silo.outlet.width_m": {"low": 0.04, "high": 0.12, "step": 0.02},
+    "filling.layers": [1, 4],
+    "walls.kind": ["smooth", "very-rough"],
+}
+
+
+def test_each_part_of_each_range_is_drawn_once():
+    runs = 20
+    drawn = pd.DataFrame(LatinHypercube(runs=runs, seed=3, between=BETWEEN).settings(whole))
+    linear = (drawn["flow.displacement_m"] - 0.002) / 0.018
+    decades = np.log10(drawn["flow.speed_m_per_s"] / 1e-3) / 3.0
+    for part in (linear, decades):
+        assert sorted(np.floor(part * runs * (1.0 - 1e-6)).astype(int)) == list(range(runs))
+    assert drawn["silo.outlet.width_m"].value_counts().to_dict() == dict.fromkeys((0.04, 0.06, 0.08, 0.1, 0.12), 4)
+    assert drawn["filling.layers"].value_counts().to_dict() == dict.fromkeys((1, 2, 3, 4), 5)
+    assert drawn["walls.kind"].value_counts().to_dict() == {"smooth": 10, "very-rough": 10}
+    assert all(float(f"{one:.6g}") == one for one in drawn["flow.speed_m_per_s"]), "the table shows what was used"
+
+
+def test_a_draw_repeats_itself_by_its_seed():
+    first, again, other = (LatinHypercube(runs=5, seed=seed, between=BETWEEN).settings(whole) for seed in (1, 1, 2))
+    assert first == again and first != other
+
+
+def test_steps_end_where_they_were_told_and_carry_no_noise():
+    tenths = Span(low=0.1, high=0.3, step=0.1)
+    assert [tenths.value(part, False) for part in (0.0, 0.34, 0.67, 1.0)] == [0.1, 0.2, 0.3, 0.3]
+    assert Span(low=1.0, high=3.0).value(1.0, True) == 3 and isinstance(Span(low=1, high=3).value(0.5, True), int)
+    assert Span(low=0.01, high=1.0, step=0.01, logarithmic=True).value(0.5, False) == 0.1
+    assert Choices(choices=("a", "b")).value(1.0, False) == "b"
+
+
+def test_runs_of_a_hypercube_are_numbered_and_none_is_there_twice():
+    found = scenes("""
+        [latin_hypercube]
+        runs = 12
+        [latin_hypercube.between]
+        walls.kind = ["smooth", "very-rough"]
+        flow.displacement_m = { low = 0.01, high = 0.02, step = 0.01 }
+    """)
+    assert len(found) == len({scene.model_dump_json() for scene in found.values()}) <= 4
+    assert list(found)[0] == "run-1"
+
+
+# --- the study --------------------------------------------------------------------------------------------------------
+
+
+def left(run: Run, pressure: float | None) -> None:
+    """What a finished run leaves."""
+    run.folder.mkdir(parents=True)
+    write_parameters(run.folder, run.scene, {"finished": True})
+    stresses = {} if pressure is None else {"filling": {"node": 2.0 * pressure, "pressure_cell": pressure}}
+    summary = {"finished": True, "largest_wall_normal_stress_Pa": stresses, "flow_pattern": {"kind": "mass"}}
+    (run.folder / "summary.json").write_text(json.dumps(summary))
+
+
+def study(folder: Path, *texts: str, overwrite: bool = False, **more) -> Study:
+    return Study(of_flags([], list(texts)).model_copy(update=more), folder, Voice(quiet=True), overwrite)
+
+
+def test_what_is_there_is_kept_drawn_and_in_the_table_without_a_cluster(tmp_path):
+    one = study(tmp_path, "silo.outlet.width_m=0.04,0.08", "walls.kind=smooth,very-rough")
+    for number, run in enumerate(one.runs.values()):
+        left(run, 1e3 * (1 + number))
+    again = study(tmp_path, "silo.outlet.width_m=0.04,0.08", "walls.kind=smooth,very-rough")
+    assert again.missing == {} and again.varied == ["silo.outlet.width_m", "walls.kind"]
+    again.run()
+    table = pd.read_csv(tmp_path / TABLE)
+    assert table[PRESSURE].tolist() == [1e3, 2e3, 3e3, 4e3] and table.finished.all()
+    assert set(table.flow_pattern) == {"mass"}
+    assert [file.name for file in again.left] == [TABLE, "response.png"]
+    assert not (tmp_path / ".sweep").exists()
+    assert json.loads(json.dumps(again.result, default=str))["runs"] == dict.fromkeys(one.runs, True)
+    assert set(study(tmp_path, "walls.kind=smooth,very-rough", overwrite=True).missing) == {
+        "walls-smooth", "walls-very-rough"
+    }  # fmt: skip
+
+
+def test_a_run_that_another_attempt_has_finished_by_now_is_left_alone(tmp_path):
+    run = Run(Scene(machine={"threads": 1}), tmp_path / "run")
+    left(run, 1e3)
+    before = {file: file.stat().st_mtime_ns for file in run.folder.iterdir()}
+    attempt(run)
+    assert {file: file.stat().st_mtime_ns for file in run.folder.iterdir()} == before
+
+
+def test_two_processes_do_not_attempt_a_run_at_once(tmp_path, monkeypatch):
+    run = Run(Scene(machine={"threads": 1}), tmp_path / "run")
+    left(run, 1e3)
+    monkeypatch.setattr("taichi_silo.batch.attempt.WAIT_S", 0.3)
+    with alone(run.folder / LOCK, 0.0, ""), pytest.raises(BadInput, match="is being written by another process"):
+        attempt(run)
+    assert not (run.folder / LOCK).exists()
+    attempt(run)
+
+
+def test_a_lock_file_that_a_killed_process_left_is_no_obstacle(tmp_path):
+    (tmp_path / LOCK).write_text("")
+    with alone(tmp_path / LOCK, 0.0, "never"):
+        assert (tmp_path / LOCK).exists()
+    assert not (tmp_path / LOCK).exists()
+    with pytest.raises(BadInput, match="cannot be written"), alone(tmp_path / "no" / LOCK, 0.0, ""):
+        pass
+
+
+def test_an_estimate_says_what_it_would_cost_and_leaves_nothing(tmp_path, capsys):
+    coarse = ("grid.cell_size_m=0.05", "flow.displacement_m=0.002,0.004", "flow.speed_m_per_s=0.05")
+    command(None, list(coarse), estimate=True, output=tmp_path / "out", json=True)
+    out, err = capsys.readouterr()
+    told = json.loads(out)
+    assert told["runs"] == 2 and set(told["missing"]) == set(told["core_seconds"])
+    assert all(seconds > 0.0 for seconds in told["core_seconds"].values())
+    assert "0 runs are there, 2 to do: about" in err and not (tmp_path / "out").exists()
+
+
+def test_a_folder_with_another_scenes_run_is_refused(tmp_path):
+    left(Run(Scene(), tmp_path / "walls-smooth"), 1.0)
+    with pytest.raises(BadInput, match="holds another scene's run"):
+        study(tmp_path, "walls.kind=smooth,very-rough")
+
+
+def test_a_response_that_the_table_does_not_hold_is_refused(tmp_path):
+    for response, sentence in (
+        (Response(y="P_fill_N_per_m"), "response.y is P_fill_N_per_m; did you mean P_filled_N_per_m?"),
+        (Response(y="flow_pattern"), "response.y is flow_pattern; "),
+        (Response(x="walls.colour"), "response.x is walls.colour; did you mean walls.kind?"),
+        (Response(colour="pattern"), "response.colour is pattern; did you mean flow_pattern?"),
+    ):
+        with pytest.raises(BadInput, match=sentence):
+            study(tmp_path, "walls.kind=smooth,very-rough", response=response)
+    study(tmp_path, "walls.kind=smooth,very-rough", response=Response(x="walls.kind", colour="flow_pattern"))
+
+
+def test_a_sweep_without_its_libraries_says_what_is_missing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(BadInput, match="needs taichi-silo.cluster"):
+        Local().check()
+    assert "taichi-silo[cluster]" in NEEDED
+    monkeypatch.undo()
+    with pytest.raises(BadInput, match="jobs is 9999; this machine has 1 to"):
+        Local(jobs=9999).check()
+
+
+def test_a_job_of_slurm_asks_for_what_the_file_says(tmp_path):
+    cluster = sweep("""
+        [cluster]
+        kind = "slurm"
+        queue = "short"
+        cores = 8
+        memory = "24GB"
+        walltime = "02:30:00"
+        account = "sand"
+        job_extra = ["--exclusive"]
+        prologue = ["module load python"]
+    """).cluster
+    with cluster.prepared(tmp_path) as slurm:
+        script = slurm.job_script()
+    for line in ("-p short", "-A sand", "--cpus-per-task=8", "--mem=23G", "-t 02:30:00", "--exclusive"):
+        assert f"#SBATCH {line}" in script, script
+    assert "module load python\n" in script
+    assert f"{sys.executable} -m distributed.cli.dask_worker" in script
+    for word in ("--nthreads 8 ", "--nanny", "--preload taichi_silo.sweep.deaf", "--no-dashboard"):
+        assert word in script, script
+    assert cluster.with_jobs(20).jobs == 3 and cluster.with_jobs(20).at_once == 24
+    with Slurm().prepared(tmp_path) as slurm:
+        assert "#SBATCH --mem=30G" in slurm.job_script(), "2 GB a core"
+
+
+# --- the figure -------------------------------------------------------------------------------------------------------
+
+
+def table_of(**columns) -> pd.DataFrame:
+    return pd.DataFrame(columns).rename(columns=lambda name: name.replace("__", "."))
+
+
+def test_runs_that_are_alike_in_all_else_are_joined_and_one_without_an_answer_is_marked(tmp_path):
+    table = table_of(
+        silo__outlet__width_m=[0.04, 0.08, 0.12] * 2, walls__kind=["smooth"] * 3 + ["very-rough"] * 3,
+    )  # fmt: skip
+    table[PRESSURE] = [3e3, 2e3, 1e3, np.nan, 5e3, 4e3]
+    varied = ["silo.outlet.width_m", "walls.kind"]
+    figure = response_figure(table, varied, Response())
+    panel, other = figure.axes
+    lines = [line.get_xydata().tolist() for line in panel.get_lines() if line.get_linestyle() == "-"]
+    assert lines == [[[0.04, 3.0], [0.08, 2.0], [0.12, 1.0]], [[0.08, 5.0], [0.12, 4.0]]]
+    assert panel.get_xlabel() == "outlet width (m)"
+    assert panel.get_ylabel() == "largest wall pressure on a 20 mm cell (kPa)"
+    assert [text.get_text() for text in panel.get_legend().get_texts()] == ["smooth", "very-rough", "no answer"]
+    assert [text.get_text() for text in other.get_xticklabels()] == ["smooth", "very-rough"]
+    assert "6 runs, 1 without an answer" in figure.get_suptitle()
+    assert response_figure(table, varied, Response(x="walls.kind")).axes[0].get_xlabel() == "walls"
+    assert [file.name for file in plot_response(table, varied, Response(), tmp_path)] == ["response.png"]
+    assert response_figure(table.assign(**{PRESSURE: np.nan}), varied, Response()) is None
+
+
+def test_draws_that_are_alike_by_chance_are_not_joined():
+    table = table_of(sand__void_ratio=[0.6, 0.7, 0.8], walls__kind=["smooth", "smooth", "very-rough"])
+    figure = response_figure(table.assign(**{PRESSURE: 1e3}), ["sand.void_ratio", "walls.kind"], Response())
+    assert not figure.axes[0].get_lines()
+
+
+def test_wide_ranges_have_logarithmic_axes_and_many_colours_a_bar():
+    table = table_of(flow__speed_m_per_s=np.geomspace(1e-3, 1.0, 12), sand__void_ratio=np.linspace(0.6, 0.8, 12))
+    table["N_largest_N_per_m"] = 500.0
+    figure = response_figure(table, ["flow.speed_m_per_s", "sand.void_ratio"], Response(y="N_largest_N_per_m"))
+    assert [figure.axes[k].get_xscale() for k in (0, 1)] == ["log", "linear"]
+    assert len(figure.axes) == 4 and figure.axes[2].get_ylabel() == "sand void ratio (-)"
+
+
+def test_every_column_has_a_label_with_its_unit():
+    assert label("silo.inserts.0.width_m") == "inserts 0 width (m)"
+    assert label("sand.granular_hardness_Pa") == "sand granular hardness (kPa)"
+    assert label("P_least_N_per_m") == "bottom force P least in flow (kN/m)"
+    assert label("stagnant_area_share") == "share of sand that stands still (-)"
+    assert label("largest_wall_friction_angle_deg") == "largest wall friction angle (°)"
+    assert set(found({})) < set(row("a", Run(Scene(), Path("nothing")), []))
+
+
+# --- time left --------------------------------------------------------------------------------------------------------
+
+
+def test_time_left_follows_the_pace_and_the_longest_task(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr("taichi_silo.tally.time.monotonic", lambda: now[0])
+    tally = Tally({"long": 60.0, "short": 20.0, "other": 20.0}, jobs=2)
+    assert tally.left_s == 60.0, "before anything is known, no less than the longest"
+    now[0] += 20.0
+    assert tally.advance("short", 1.0) == pytest.approx(0.2)
+    tally.advance("long", 20.0 / 60.0)
+    assert tally.left_s == pytest.approx(40.0), "of the longest; all together would take 30 s"
+    assert tally.advance("long", 0.0) == pytest.approx(0.2), "begun again"
+    for name in ("long", "other"):
+        tally.advance(name, 1.0)
+    assert tally.left_s == 0.0
