@@ -14,7 +14,7 @@ COMMANDS = (
 def make() -> typer.Typer:
     """The app with all commands."""
     app = typer.Typer(
-        name="taichi-silo", no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode="rich",
+        name="taichi-silo", no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode="markdown",
         help="Sand flowing in silos: wall pressures, flow pattern, films of the shear zones. All units are SI.",
     )  # fmt: skip
     for name in COMMANDS:

@@ -10,7 +10,9 @@ from taichi_silo.faults import BadInput
 from taichi_silo.measure.matching import matched
 
 LAYERS = 20  # bands over the height of the fill
-MARKED = (0.125, 0.375)  # of the width, from the axis to both sides: where columns of points are marked
+MARKED = (0.375, 0.125)  # of the width, from the axis to both sides: where columns of points are marked
+ACROSS = 8  # columns of points for each of these
+ROUND = 1e-6  # of a spacing: numbers of columns do not hang on round-off
 BEYOND = 25.0  # degrees on both sides of the critical friction angle
 MOST = 0.995  # quantile at which a range that follows the data ends
 NICE = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)  # ends of such ranges, times a power of ten
@@ -158,10 +160,11 @@ def layers(points, start, scene) -> np.ndarray:
     x, y = matched(start, points)["position"].T
     spacing = scene.spacing_m
     rows = max(2, round(scene.silo.height_m / (LAYERS * spacing)))
-    wide = scene.silo.width_m
-    beyond = [np.abs(x - 0.5 * wide) - part * wide + 0.5 * spacing for part in MARKED]
-    marked = np.any([(way >= 0.0) & (way < spacing) for way in beyond], axis=0)
-    return np.where(marked, 2.0, np.floor(y / (rows * spacing)) % 2.0)
+    found, across = np.floor(y / (rows * spacing)) % 2.0, scene.silo.width_m / spacing
+    column = np.floor(np.abs(x / spacing - 0.5 * across) + ROUND)  # from the axis
+    for part in MARKED[: int(across / ACROSS + ROUND)]:
+        found[column == np.floor(part * across + ROUND)] = 2.0
+    return found
 
 
 FIELDS = {

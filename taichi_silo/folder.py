@@ -14,6 +14,7 @@ from taichi_silo.fields import FIELDS
 from taichi_silo.scene import Scene
 from taichi_silo.symmetry import half_model
 
+CHECKPOINT = "checkpoint.npz"  # from which it goes on
 MADE = "run.toml"  # its presence says that the folder holds a run
 PRODUCTS = (
     MADE, "summary.json", "forces.csv", "balance.csv", "walls.csv", "checkpoint*.npz", "curve.csv", "points.npz",
@@ -59,7 +60,10 @@ def free(folder: Path, overwrite: bool = False) -> Path:
     """
     folder = writable(folder)
     if (folder / MADE).exists() and not overwrite:
-        raise BadInput(f"output {folder} holds a run already; give another folder, or --overwrite to replace it")
+        further = "" if finished(folder) or not (folder / CHECKPOINT).exists() else f", or `{go_on(folder)}`"
+        raise BadInput(
+            f"output {folder} holds a run already; give another folder, or --overwrite to replace it{further}"
+        )
     return folder
 
 
@@ -80,6 +84,11 @@ def claim(folder: Path, overwrite: bool = False) -> Path:
     except OSError as error:
         raise BadInput(f"output {folder} cannot be written: {error.strerror or error}") from error
     return folder
+
+
+def go_on(folder: Path) -> str:
+    """The command that goes on with the run of a folder."""
+    return f'taichi-silo resume "{folder}"' if " " in str(folder) else f"taichi-silo resume {folder}"
 
 
 def finished(folder: Path) -> bool:

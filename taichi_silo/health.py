@@ -79,7 +79,7 @@ def _graphics_card() -> Finding:
 def _film() -> Finding:
     with tempfile.TemporaryDirectory() as place:
         try:
-            encoder = Encoder(Path(place) / "film.mp4", 30)
+            encoder = Encoder(Path(place) / "film.mp4", 30, (1920, 1080))
             for _ in range(5):
                 encoder.write(np.zeros((1080, 1920, 3), np.uint8))
             encoder.close()

@@ -183,10 +183,8 @@ class _Session:
 
     def _farewell(self) -> str:
         s = self.simulation
-        return (
-            f"stopped at t = {s.time:.4f} s ({s.stage}, u = {1e3 * s.displacement:.3f} mm); `taichi-silo resume "
-            f"{self.folder}` goes on from there"
-        )
+        where = f"t = {s.time:.4f} s ({s.stage}, u = {1e3 * s.displacement:.3f} mm)"
+        return f"stopped at {where}; `{run_folder.go_on(self.folder)}` goes on from there"
 
     def _note(self, finished: bool = False) -> None:
         """Write run.toml."""

@@ -24,8 +24,8 @@ def attempt(wanted: Run, extra: tuple = ()) -> None:
     ------
     BadInput
         if the folder cannot be written, or another process does not let go of it.
-    RunFailed
-        if the run went wrong.
+    RunFailed, Stopped
+        as `one_run.run`.
 
     """
     held = f"output {wanted.folder} is being written by another process"
@@ -40,7 +40,7 @@ def _went_on(wanted: Run, extra: tuple) -> bool:
     if not wanted.begun:
         return False
     try:
-        resume(wanted.folder, film=wanted.film, extra=extra)
+        resume(wanted.folder, threads=wanted.scene.machine.threads, film=wanted.film, extra=extra)
     except BadInput:  # none, damaged, of another version, or without the film
         return False
     return True

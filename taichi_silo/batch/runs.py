@@ -9,7 +9,7 @@ from pathlib import Path
 
 from taichi_silo.cost import START_S, Cost, at_pace, rehearse
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE, claim, parameters
+from taichi_silo.folder import MADE, claim, finished, parameters
 from taichi_silo.processes import Processes, Task
 from taichi_silo.scene import Scene
 from taichi_silo.scene_file import read_scene
@@ -39,14 +39,14 @@ class Run:
     @property
     def finished(self) -> bool:
         """Whether it is there, with all that belongs to it."""
-        done = self.summary.get("finished", False)
+        done = self.summary.get("finished", False) and finished(self.folder)
         return done and (not self.film or (self.folder / "void_ratio.mp4").exists())
 
     @property
     def begun(self) -> bool:
-        """Whether the folder holds this run, however far it came."""
+        """Whether the folder holds this run, and it has not come to its end."""
         try:
-            return (self.folder / MADE).exists() and not self._other()
+            return (self.folder / MADE).exists() and not finished(self.folder) and not self._other()
         except BadInput:
             return False
 
@@ -109,7 +109,7 @@ def simulate(
     runs: dict[str, Run], jobs: int, say=print, ended: Callable[[str, str], None] = lambda name, trouble: None,
     expected: dict[str, Cost] | None = None,
 ) -> dict[str, str]:  # fmt: skip
-    """Run all, each in a process of its own, and replace what their folders hold.
+    """Run all, each in a process of its own: from the start what is finished, and what was left from where it was.
 
     Parameters
     ----------

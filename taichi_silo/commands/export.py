@@ -29,7 +29,7 @@ def command(
     from rich.progress import Progress
 
     from taichi_silo.export import tables, vtkhdf
-    from taichi_silo.faults import BadInput
+    from taichi_silo.faults import BadInput, RunFailed
     from taichi_silo.folder import writable
     from taichi_silo.history import History
 
@@ -47,7 +47,10 @@ def command(
     writable(target.parent)
     with Progress(console=voice.console, transient=True, disable=quiet or not voice.console.is_terminal) as progress:
         task = progress.add_task("writing", total=len(history.index))
-        count = write(history, target, lambda: progress.advance(task))
+        try:
+            count = write(history, target, lambda: progress.advance(task))
+        except OSError as error:
+            raise RunFailed(f"while {target} was written: {error}") from error
     files = [target] if target.is_file() else [*target.glob("*.csv")]
     size = sum(file.stat().st_size for file in files)
     voice.say(f"{target}  {count} states, {size / 1e6:.3g} MB")

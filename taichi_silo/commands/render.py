@@ -44,49 +44,74 @@ def command(
 
     taichi-silo render outputs/silo --field mean_stress --frame 10
     """
+    from taichi_silo.faults import RunFailed
     from taichi_silo.fields import field as known
-
-    voice = Voice(quiet, json)
-    look = {"field": field, "limits": _limits(limits), "size": _size(size)}
-    known(field)
-    _check(seconds, speed, fps)
-    from rich.progress import track
-
-    from taichi_silo.faults import BadInput
     from taichi_silo.history import History
-    from taichi_silo.render import moments, renderer
+    from taichi_silo.render import renderer
 
-    history, look = History.read(folder), renderer.Look(**look)
-    number, suffix = None, ".mp4"
-    name = field
-    if frame is not None:
-        number = moments.nearest(history, frame if history.free else 1e-3 * frame)
-        name, suffix = f"{field}_{frame:g}{'s' if history.free else 'mm'}", ".png"
-    file = output.expanduser() if output else history.folder / f"{name}{suffix}"
+    known(field)
+    _check(seconds, speed, fps, frame)
+    look, voice = renderer.Look(field, _limits(limits), _size(size)), Voice(quiet, json)
+    history = History.read(folder)
+    try:
+        if frame is None:
+            shown = _moments(history, seconds, speed, fps)
+            file = _free(output or history.folder / f"{field}.mp4", ".mp4", overwrite)
+            drawn = renderer.film(history, file, _tracked(shown, field, voice), look, fps)
+            found = {"film": str(file), "frames": len(shown), "seconds": len(shown) / fps}
+        else:
+            number, unit = _number(history, frame)
+            file = _free(output or history.folder / f"{field}_{frame:g}{unit}.png", ".png", overwrite)
+            drawn = renderer.still(history, file, number, look)
+            found = {"picture": str(file), "snapshot": str(history.index["file"].iloc[number])}
+    except (OSError, RuntimeError) as error:
+        raise RunFailed(f"while {field} was drawn: {error}") from error
+    scale = drawn.scale
+    voice.say(f"{file}  {scale.label}, {scale.low:g} to {scale.high:g}")
+    voice.result(found | {"field": field, "range": [scale.low, scale.high], "size": list(look.size)})
+
+
+def _moments(history, seconds: float | None, speed: float | None, fps: int) -> list:
+    """What the frames show."""
+    from taichi_silo.faults import BadInput
+    from taichi_silo.render import moments
+
+    if speed is None:
+        return moments.over(history, max(2, round((seconds or 15.0) * fps)))
+    if history.end_s > speed * LONGEST_S:
+        lasts = history.end_s / speed
+        raise BadInput(f"speed is {speed:g}; the film would last {lasts:.4g} s, it must be at most {LONGEST_S:g} s")
+    return moments.at_speed(history, speed, fps)
+
+
+def _number(history, frame: float) -> tuple[int, str]:
+    """The snapshot nearest to a displacement [mm] or, in free outflow, a time [s], and that unit."""
+    from taichi_silo.render.moments import nearest
+
+    return (nearest(history, frame), "s") if history.free else (nearest(history, 1e-3 * frame), "mm")
+
+
+def _free(file: Path, suffix: str, overwrite: bool) -> Path:
+    """The file, which may be written."""
+    from taichi_silo.faults import BadInput
+    from taichi_silo.folder import writable
+
+    file = file.expanduser()
     if file.suffix.lower() != suffix:
         raise BadInput(f"output is {file}; it must end with {suffix}")
     if file.exists() and not overwrite:
         raise BadInput(f"output {file} is there already; give another name, or --overwrite to replace it")
-    _writable(file.parent)
-    if number is not None:
-        drawn = renderer.still(history, file, number, look)
-        found = {"picture": str(file), "snapshot": str(history.index["file"].iloc[number])}
-    else:
-        if speed is None:
-            shown = moments.over(history, max(2, round((seconds or 15.0) * fps)))
-        elif history.end_s > speed * LONGEST_S:
-            lasts = history.end_s / speed
-            raise BadInput(f"speed is {speed:g}; the film would last {lasts:.4g} s, it must be at most {LONGEST_S:g} s")
-        else:
-            shown = moments.at_speed(history, speed, fps)
-        console = voice.console
-        silent = quiet or not console.is_terminal
-        frames = track(shown, f"drawing {field}", console=console, transient=True, disable=silent)
-        drawn = renderer.film(history, file, frames, look, fps)
-        found = {"film": str(file), "frames": len(shown), "seconds": len(shown) / fps}
-    scale = drawn.scale
-    voice.say(f"{file}  {scale.label}, {scale.low:g} to {scale.high:g}")
-    voice.result(found | {"field": field, "range": [scale.low, scale.high], "size": list(look.size)})
+    writable(file.parent)
+    return file
+
+
+def _tracked(shown: list, field: str, voice: Voice):
+    """The moments, with a progress bar where there is a terminal."""
+    from rich.progress import track
+
+    console = voice.console
+    silent = voice.quiet or not console.is_terminal
+    return track(shown, f"drawing {field}", console=console, transient=True, disable=silent)
 
 
 def _limits(text: str | None) -> tuple[float, float] | None:
@@ -119,9 +144,11 @@ def _size(text: str) -> tuple[int, int]:
     return columns, rows
 
 
-def _check(seconds: float | None, speed: float | None, fps: int) -> None:
+def _check(seconds: float | None, speed: float | None, fps: int, frame: float | None) -> None:
     from taichi_silo.faults import BadInput
 
+    if frame is not None and (seconds, speed) != (None, None):
+        raise BadInput(f"frame is {frame:g}; one picture has neither a length nor a speed")
     if seconds is not None and speed is not None:
         raise BadInput(f"speed is {speed:g}; it cannot be given together with a length ({seconds:g} s)")
     if seconds is not None and not 0.1 <= seconds <= LONGEST_S:
@@ -130,9 +157,3 @@ def _check(seconds: float | None, speed: float | None, fps: int) -> None:
         raise BadInput(f"speed is {speed:g}; it must be from 1e-06 to 1e+06")
     if not 1 <= fps <= 120:
         raise BadInput(f"fps is {fps}; it must be from 1 to 120")
-
-
-def _writable(folder: Path) -> None:
-    from taichi_silo.folder import writable
-
-    writable(folder)

@@ -8,16 +8,17 @@ from pydantic import ValidationError
 
 from taichi_silo import archive, durable, state
 from taichi_silo.faults import BadInput
+from taichi_silo.folder import CHECKPOINT
 from taichi_silo.observers import Observer
 from taichi_silo.scene import Scene
 from taichi_silo.table import one_sentence
 
 EVERY_S = 120.0  # of the wall clock
-NAME, PREVIOUS = "checkpoint.npz", "checkpoint.previous.npz"
+NAME, PREVIOUS = CHECKPOINT, "checkpoint.previous.npz"
 
 
 class Checkpoint(Observer):
-    """Written every two minutes, after filling, and by `write` wherever the run stops between two intervals.
+    """Written at the start, every two minutes, after filling, and by `write` wherever the run stops.
 
     It holds the scene, the simulation, and the state of every other observer; all of them have seen the last record. A
     state that is not finite never replaces a good one.
@@ -43,7 +44,12 @@ class Checkpoint(Observer):
         return time.monotonic() - self.started
 
     def begin(self, simulation) -> None:
-        """Remember what to keep."""
+        """Write, so that whatever comes the run can go on; all others have begun."""
+        self.simulation = simulation
+        self.write()
+
+    def restore(self, simulation, kept: dict) -> None:
+        """Go on from what is there."""
         self.simulation = simulation
 
     def observe(self, record) -> None:
@@ -59,13 +65,14 @@ class Checkpoint(Observer):
     def write(self) -> None:
         """Write, in one piece or not at all; the run outlives a checkpoint that cannot be written, with a warning."""
         self.due = time.monotonic() + EVERY_S
-        if not all(np.isfinite(values).all() for values in self.simulation.particles.arrays().values()):
+        simulation = state.of(self.simulation)
+        if not all(np.isfinite(values).all() for values in simulation["points"].values()):
             return
         temporary = self.folder / "checkpoint.part.npz"
         kept = {
             "run": {"filled": self.after_filling, "resumed": self.resumed, "wall_seconds": self.wall_seconds},
             "scene": self.simulation.scene.model_dump(mode="json"),
-            "simulation": state.of(self.simulation),
+            "simulation": simulation,
             "observers": {name: observer.state() for name, observer in self.observers.items()},
         }
         try:

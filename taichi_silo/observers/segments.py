@@ -70,7 +70,7 @@ class Segments:
             if not piece.exists():
                 raise BadInput(f"{piece} is missing; the film cannot go on without a gap, the run can with --no-film")
         for file in self.path.parent.glob(f"{self.path.stem}{MARK}*"):
-            number = int(file.name.removeprefix(f"{self.path.stem}{MARK}")[:4])
+            number = int(file.name.removeprefix(f"{self.path.stem}{MARK}").split(".")[0])
             self.number = max(self.number, number + 1)  # an encoder that outlived its run may still write to the last
             if file not in self.pieces:
                 with contextlib.suppress(OSError):

@@ -1,5 +1,6 @@
 """Films and pictures of any field of a run, drawn from what the run has left, without disturbing it."""
 
+import contextlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,8 @@ from taichi_silo.faults import BadInput
 from taichi_silo.fields import field as field_of
 from taichi_silo.history import History
 from taichi_silo.observers.canvas import SIZE, Course
-from taichi_silo.observers.film import FRAMES_PER_SECOND, Film
+from taichi_silo.observers.encoder import Encoder
+from taichi_silo.observers.film import FRAMES_PER_SECOND
 from taichi_silo.observers.scenery import course_of, picture
 from taichi_silo.render.between import Between
 from taichi_silo.render.moments import Moment
@@ -88,14 +90,17 @@ def film(
             "--snapshots 100, or draw single pictures with --frame"
         )
     renderer = Renderer(history, look)
-    passing = file.with_name(f"{file.stem}.rendering{file.suffix}")
+    encoder = Encoder(file.with_name(f"{file.stem}.rendering{file.suffix}"), frames_per_second, look.size)
     try:
-        with Film(passing, renderer.picture, frames_per_second) as drawn:
-            for moment in moments:
-                drawn.add_frame(**renderer.frame(moment))
-        passing.replace(file)
+        for moment in moments:
+            encoder.write(renderer.picture.frame(**renderer.frame(moment)))
+        encoder.close()
+        encoder.path.replace(file)
     finally:
-        passing.unlink(missing_ok=True)
+        with contextlib.suppress(RuntimeError):  # what has ended the film is on its way already
+            encoder.close()
+        for left in (encoder.path, encoder.partial):
+            left.unlink(missing_ok=True)
     return renderer
 
 

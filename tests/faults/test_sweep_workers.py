@@ -5,6 +5,7 @@ import os
 import signal
 import sys
 import textwrap
+import tomllib
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,8 +13,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from taichi_silo.faults import BadInput
+from taichi_silo.batch.attempt import attempt
+from taichi_silo.batch.runs import Run
+from taichi_silo.faults import BadInput, Stopped
 from taichi_silo.lock import alone
+from taichi_silo.observers import Observer
+from taichi_silo.scene import Scene
 from taichi_silo.sweep import clusters
 from taichi_silo.sweep.clusters import Local, Scheduler, client_of
 from taichi_silo.sweep.file import of_tables
@@ -129,6 +134,37 @@ def test_a_worker_that_does_not_see_the_output_says_so(client, program, tmp_path
 def test_nobody_outside_of_this_machine_reaches_the_workers(client):
     addresses = [client.scheduler.address, *client.scheduler_info()["workers"]]
     assert all(address.startswith("tcp://127.0.0.1:") for address in addresses)
+
+
+class Interrupter(Observer):
+    """Presses Ctrl-C in flow."""
+
+    def observe(self, record):
+        if record.stage == "flow":
+            os.kill(os.getpid(), signal.SIGINT)
+
+
+def test_a_run_that_was_left_goes_on_and_one_whose_checkpoints_are_damaged_begins_again(tmp_path):
+    scene = Scene.model_validate(COARSE | {"machine": {"lanes": False, "threads": 1}})
+    run = Run(scene, tmp_path / "run")
+    with pytest.raises(Stopped):
+        attempt(run, (Interrupter(),))
+    assert run.begun and not run.finished
+
+    def resumed() -> int:
+        return tomllib.loads((run.folder / "run.toml").read_text())["program"]["resumed"]
+
+    attempt(run)
+    assert run.finished and resumed() == 1
+    with_film = Run(scene, run.folder, film=True)
+    assert not with_film.finished and not with_film.begun, "what came to its end without a film begins again"
+    toml = run.folder / "run.toml"
+    toml.write_text(toml.read_text().replace("finished = true", "finished = false"))
+    assert run.begun and not run.finished, "its last figures are not there yet"
+    for file in run.folder.glob("checkpoint*.npz"):
+        file.write_bytes(b"nothing")
+    attempt(run)
+    assert run.finished and resumed() == 0
 
 
 def test_two_sweeps_do_not_share_an_output(tmp_path):

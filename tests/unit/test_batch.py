@@ -107,7 +107,7 @@ def test_a_bad_file_is_refused_by_its_name(tmp_path):
 def left(folder: Path, scene: Scene, factor: float = 1.0, **summary) -> Run:
     """A run that was there: its scene, its summary and its forces."""
     folder.mkdir(parents=True)
-    write_parameters(folder, scene, {})
+    write_parameters(folder, scene, {"finished": True})
     forces = {"bottom_N_per_m": 500.0 * factor, "shear_N_per_m": 600.0, "normal_N_per_m": 700.0 * factor}
     found = {
         "finished": True,

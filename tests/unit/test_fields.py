@@ -69,7 +69,16 @@ def test_layers_alternate_and_marked_columns_are_symmetric():
     rows = FIELDS["layers"].values(start, start, SCENE).reshape(-1, 10)
     assert (rows == rows[:, ::-1]).all()
     assert (rows[:, 5] == np.arange(25) // 2 % 2).all()  # two rows of 20 mm each
-    assert ((rows == 2.0).sum(axis=1) == 4).all()
+    assert ((rows == 2.0).sum(axis=1) == 2).all()  # of ten
+
+
+def test_a_fine_silo_has_four_marked_columns_and_a_coarse_one_none():
+    for cell, marked in ((0.05, 0), (0.02, 2), (0.005, 4)):
+        scene = made_up.scene(cell)
+        start = made_up.state(scene, 0.0)
+        start["position"] *= 1.0 - 1e-12  # round-off moves no column
+        rows = FIELDS["layers"].values(start, start, scene).reshape(-1, round(0.2 / cell))
+        assert ((rows == 2.0).sum(axis=1) == marked).all()
 
 
 def test_layers_of_a_half_are_those_of_the_whole():

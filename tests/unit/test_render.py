@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import typing
 
 import imageio_ffmpeg
 import numpy as np
@@ -10,11 +11,13 @@ import pytest
 from PIL import Image
 
 from taichi_silo import app, snapshot
-from taichi_silo.faults import BadInput
+from taichi_silo.commands import render
+from taichi_silo.faults import BadInput, RunFailed
 from taichi_silo.fields import FIELDS
 from taichi_silo.history import History
 from taichi_silo.observers import movie
 from taichi_silo.observers.canvas import BACKGROUND, MISSING
+from taichi_silo.observers.encoder import Encoder
 from taichi_silo.observers.raster import table
 from taichi_silo.one_run import run
 from taichi_silo.render import moments, renderer
@@ -223,6 +226,7 @@ def test_a_run_that_goes_on_is_drawn_as_far_as_it_has_come(tmp_path):
         (["--speed", "1e-5"], "speed is 1e-05; the film would last"),
         (["--output", "film.avi"], "output is film.avi; it must end with .mp4"),
         (["--frame", "30"], "frame is 30 mm; it must be from 0 to 20 mm"),
+        (["--frame", "3", "--seconds", "3"], "frame is 3; one picture has neither"),
     ],
 )
 def test_what_is_not_possible_is_refused_in_a_sentence(folder, words, sentence):
@@ -230,6 +234,22 @@ def test_what_is_not_possible_is_refused_in_a_sentence(folder, words, sentence):
     with pytest.raises(BadInput, match=sentence):
         command("render", folder, *words)
     assert digests(folder) == before
+
+
+def test_the_help_names_all_fields():
+    parameters = typing.get_type_hints(render.command, include_extras=True)
+    (option,) = parameters["field"].__metadata__
+    assert option.help.split(" | ") == list(FIELDS)
+
+
+def test_trouble_while_drawing_is_told_in_a_sentence(folder, tmp_path, monkeypatch):
+    def broken(self, frame):
+        raise RuntimeError("ffmpeg stopped: no space left")
+
+    monkeypatch.setattr(Encoder, "write", broken)
+    with pytest.raises(RunFailed, match="while speed was drawn: ffmpeg stopped: no space left"):
+        command("render", folder, "--field", "speed", "--size", "320x180", "--output", tmp_path / "a.mp4")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_folder_without_enough_to_draw_is_refused_in_a_sentence(tmp_path):

@@ -224,7 +224,7 @@ def test_runs_of_a_hypercube_are_numbered_and_none_is_there_twice():
 def left(run: Run, pressure: float | None) -> None:
     """What a finished run leaves."""
     run.folder.mkdir(parents=True)
-    write_parameters(run.folder, run.scene, {})
+    write_parameters(run.folder, run.scene, {"finished": True})
     stresses = {} if pressure is None else {"filling": {"node": 2.0 * pressure, "pressure_cell": pressure}}
     summary = {"finished": True, "largest_wall_normal_stress_Pa": stresses, "flow_pattern": {"kind": "mass"}}
     (run.folder / "summary.json").write_text(json.dumps(summary))
