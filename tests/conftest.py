@@ -77,7 +77,9 @@ def site(tmp_path_factory):
     try:
         (shared / "site.lock").mkdir()
     except FileExistsError:
+        until = time.monotonic() + 300.0
         while not built.exists():
+            assert time.monotonic() < until, "another process has not built it"
             time.sleep(0.2)
     else:
         command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--site-dir", str(place)]

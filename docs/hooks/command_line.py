@@ -164,6 +164,6 @@ def table(flags: list[Flag]) -> str:
     """Flags and arguments."""
     rows = ["| flag | value | default | meaning |", "|---|---|---|---|"]
     for flag in flags:
-        names = ", ".join(f"`{name.strip()}`" for name in flag.words.split(","))
+        names = ", ".join(f"`{name.strip()}`{{ .flag }}" for name in flag.words.split(","))
         rows.append(f"| {names} | {flag.kind} | {flag.default} | {flag.help.replace('|', chr(92) + '|')} |")
     return "\n".join(rows) + "\n"

@@ -14,10 +14,12 @@ LETTERS = {  # names of the characters that they are instead
     "script": "SCRIPT {size} {letter}",
     "double-struck": "DOUBLE-STRUCK {size} {letter}",
 }
-SIGNS = {  # norms that do not grow, accents that sit on their letter
+SIGNS = {  # norms and bars that do not grow, accents that sit on their letter, close slashes
     "<mo>&#x02016;</mo>": '<mo stretchy="false">&#x02016;</mo>',
     "<mo>&#x0005E;</mo>": '<mo stretchy="false">&#x002C6;</mo>',
     "&#x000AF;</mo>": "&#x0203E;</mo>",
+    "<mo>&#x0007C;</mo>": '<mo stretchy="false">&#x0007C;</mo>',
+    "<mo>&#x0002F;</mo>": '<mo lspace="0.1em" rspace="0.1em">&#x0002F;</mo>',
 }
 
 

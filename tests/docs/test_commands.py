@@ -69,8 +69,7 @@ def test_a_command_line_is_one_that_the_program_takes(block, words, wanted, tmp_
     kinds = {parameter.annotation for parameter in inspect.signature(function).parameters.values()}
     if kinds & {scenario.Controlled, scenario.Free}:
         command_of(function).main(rest, standalone_mode=False)  # values are checked as well
-        assert wanted
-        assert isinstance(wanted[0], Scene)
+        assert "--explain" in rest or isinstance(wanted[0], Scene)
     else:
         parse(command_of(function), rest)
 
@@ -80,6 +79,25 @@ def test_a_flag_that_does_not_exist_is_noticed(wanted):
         parse(command_of(scene_file), ["silo.toml", "--no-such-flag"])
     with pytest.raises(ValueError, match="kind|walls"):
         command_of(script("mass_flow")).main(["--walls", "slippery"], standalone_mode=False)
+
+
+def test_what_the_pages_show_of_a_run_s_parts_is_what_it_says(capsys, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["taichi-silo", "run", "mass_flow"])
+    command_of(script("mass_flow")).main(["--walls", "smooth", "--explain"], standalone_mode=False)
+    said = capsys.readouterr().out
+    shown = next(one for one in blocks("text") if one.page == "how-to/explain.md").text
+    assert shown.split() == said[said.index(" part ") :].split()
+
+
+def test_the_silo_of_the_tutorial_is_possible(tmp_path, monkeypatch, capsys):
+    block = next(one for one in blocks("toml") if one.page == "tutorial.md")
+    beside(block, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["taichi-silo", "run", "silo.toml", "--check"])
+    with pytest.raises(SystemExit) as ended:
+        app.main()
+    assert not ended.value.code
+    assert capsys.readouterr().out == "silo.toml is a possible scene: 866 points, 1327 N/m of sand\n"
 
 
 def test_the_tutorial_has_its_commands_in_an_order_that_works():

@@ -96,8 +96,8 @@ def test_every_command_and_every_public_name_has_a_place(site):
 def test_flags_of_the_program_are_in_the_reference(site):
     text = (site / "reference" / "scenarios.html").read_text(encoding="utf-8")
     for flag in ("--void-ratio", "--outlet-width", "--half-angle", "--characteristic-length", "--no-film"):
-        assert f"<code>{flag}</code>" in text
-    assert "<code>--set</code>" in (site / "reference" / "commands.html").read_text(encoding="utf-8")
+        assert f'<code class="flag">{flag}</code>' in text
+    assert '<code class="flag">--set</code>' in (site / "reference" / "commands.html").read_text(encoding="utf-8")
 
 
 def test_the_schema_can_be_loaded(site):
