@@ -295,9 +295,8 @@ def written(folder):
 
 
 def test_a_run_that_is_killed_and_stopped_again_and_again_loses_nothing(tmp_path, whole):
-    """Of the five signals only the last may come too late."""
     folder, rng = tmp_path / "run", random.Random()
-    for number in (signal.SIGKILL, signal.SIGTERM, signal.SIGKILL, signal.SIGINT, signal.SIGKILL):
+    for number in (signal.SIGKILL, signal.SIGTERM, signal.SIGKILL, signal.SIGKILL):
         before, end = written(folder), time.monotonic() + 60.0
         process = child(folder)
         while written(folder) == before:  # then it steps

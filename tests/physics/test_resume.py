@@ -63,7 +63,7 @@ def at_the_end(simulation):
 
 
 SCENES = {  # and the moments
-    "very rough walls": (scene(walls=ROUGH), (half_filled, half_sunk)),
+    "very rough walls": (scene(walls=ROUGH), (half_sunk,)),
     "half of smooth walls": (scene(), (coming_to_rest, at_the_end)),
     "outlet beside a wall, non-local": (
         scene(BESIDE, flow=FAST, cell=0.04, averaging=Averaging(characteristic_length_m=0.08)), (sand_has_left,),
@@ -80,7 +80,7 @@ SCENES = {  # and the moments
         (half_filled,),
     ),
 }  # fmt: skip
-OFTEN = {("very rough walls", 2, False), ("very rough walls", 2, True), ("hopper", 1, True)}
+OFTEN = {("very rough walls", 2, False), ("very rough walls", 2, True)}  # the others with `make test-long`
 OFTEN |= {(name, 1, False) for name in SCENES if name != "very rough walls"}
 CASES = [
     pytest.param(
@@ -181,10 +181,8 @@ def test_the_film_of_a_run_that_was_stopped_and_killed_has_every_frame_once(tmp_
     resume(killed)
     stopped = tmp_path / "stopped"
     with pytest.raises(Stopped, match=r"stopped at t = 0\.\d+ s \(filling, u = 0\.000 mm\); `taichi-silo resume"):
-        run(one, stopped, extra=(Presser(30),))
+        run(one, stopped, extra=(Presser(40),))
     assert len(frames(stopped / "void_ratio.mp4")[0]) > 2, "what there is can be seen"
-    with pytest.raises(Stopped, match="flow"):
-        resume(stopped, extra=(Presser(50),))
     resume(stopped)
     times, pictures = frames(tmp_path / "whole" / "void_ratio.mp4")
     assert times == list(range(len(times))) and len(times) > 15
