@@ -82,7 +82,7 @@ def _bad_flag(error: typer.BadParameter) -> str:
 
 
 def _stop(sentence: str, code: int) -> None:
-    print(f"Error: {sentence}.", file=sys.stderr)
+    print(f"Error: {sentence}{'' if sentence.endswith('?') else '.'}", file=sys.stderr)
     sys.exit(code)
 
 
@@ -105,7 +105,8 @@ def tell(folder: Path, voice: Voice | None = None) -> None:
     voice.say(f"\nThe run is in {folder}")
     for name, what in (
         ("void_ratio.mp4", "film"), ("figures/forces.png", "P, T, N against the bottom displacement"),
-        ("figures/void_ratio.png", "shear zones"), ("forces.csv", "force histories"),
+        ("figures/void_ratio.png", "shear zones"),
+        ("figures/wall_stress.png", "wall stresses, beside theory"), ("forces.csv", "force histories"),
         ("summary.json", "peaks, residuals, certificate"), ("snapshots/silo.pvd", "for ParaView"),
     ):  # fmt: skip
         if (folder / name).exists():

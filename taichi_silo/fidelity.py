@@ -43,6 +43,15 @@ def fidelities(file: Path = FILE) -> dict[str, Fidelity]:
     return {name: Fidelity.model_validate(table) for name, table in tables.items()}
 
 
+def like(cell_size_m: float, speed_m_per_s: float) -> tuple[str, Fidelity] | None:
+    """The named setting, if any, with these cells and this speed."""
+    for name, one in fidelities().items():
+        wanted = one.settings.get("grid.cell_size_m"), one.settings.get("flow.speed_m_per_s")
+        if wanted == (cell_size_m, speed_m_per_s):
+            return name, one
+    return None
+
+
 def fidelity(name: str) -> Fidelity:
     """The one of that name.
 

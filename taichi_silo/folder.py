@@ -111,7 +111,7 @@ def free_name(folder: Path) -> Path:
 def _revision() -> str:
     """Of the checkout that this is; an installed package may lie in one of something else."""
     if not (Path(__file__).parents[1] / ".git").exists():
-        return "released"
+        return "installed"
     try:
         answer = subprocess.run(
             ["git", "describe", "--always", "--dirty"],

@@ -103,7 +103,7 @@ def _folder(output: Path) -> Finding:
 
 def _cluster() -> Finding:
     there = importlib.util.find_spec("distributed") is not None
-    return Finding("sweeps", True if there else None, "dask is there" if there else "need taichi-silo[cluster]")
+    return Finding("sweeps", True if there else None, "dask is there" if there else "need dask, the extra [cluster]")
 
 
 def _small_run() -> Finding:
@@ -125,5 +125,5 @@ def _small_run() -> Finding:
     carried = 2.0 * last.shear_N_per_m / weight
     good = bool(missed < BALANCE and 0.0 < carried < 1.0)
     seconds = time.perf_counter() - begun
-    words = f"a small silo in {seconds:.1f} s: forces balance to {missed:.0e} of the weight, walls carry {carried:.0%}"
+    words = f"a small silo in {seconds:.1f} s: forces balance to {missed:.0e} of the weight, {carried:.0%} on the walls"
     return Finding("self-test", good, words)

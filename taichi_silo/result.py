@@ -113,7 +113,8 @@ class Result(os.PathLike):
         names = [Path(file).stem for file in self.snapshots.file]
         numbers = range(-len(names), len(names))
         if which not in (names if isinstance(which, str) else numbers):
-            raise BadInput(f"state is {which}; it must be one of {', '.join(names)}, or its number")
+            named = [name for name in names if not name.startswith(snapshot.BETWEEN)]
+            raise BadInput(f"state is {which}; it must be one of {', '.join(named)}, or its number in `snapshots`")
         name = which if isinstance(which, str) else names[which]
         return snapshot.read(self.folder / "snapshots" / f"{name}.vtu")
 

@@ -110,6 +110,7 @@ class Common:
             return None
         folder = self.output.expanduser() if self.output else None
         folder = folder or free_name(Path("outputs") / f"{name}_e{self.void_ratio:.2f}_{self.walls}")
+        voice.say(f"The run goes to {folder}.")
         lines = ProgressLine(voice.console)
         tell(run(scene, folder, overwrite=self.overwrite, film=self.film, extra=(lines,)), voice)
         return folder

@@ -219,7 +219,10 @@ class Scene(Table):
                     f"cell size is {h} m; it must divide the {name} of {length} m into at least 2 whole cells"
                 )
         if self.points > MOST_POINTS:
-            raise ValueError(f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed")
+            raise ValueError(
+                f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed (lengths are in "
+                "metres)"
+            )
         self.averaging.check(self.sand, self.spacing_m, self.points, self.silo.width_m)
         half_model(self)
         self._check_outflow()

@@ -92,11 +92,15 @@ def _with_constants(sand: dict) -> dict:
     if not missing:
         return sand
     near = difflib.get_close_matches(str(name).lower(), known, 1)
-    hint = f"did you mean {near[0]}" if near else f"the published sands are {', '.join(known)}"
+    if near:
+        raise BadInput(f"sand.name is {name}; did you mean {near[0]}?")
     unknown = [key for key in sand if key not in Sand.model_fields]
     if unknown:  # said by the type, and better
         return sand
-    raise BadInput(f"sand.name is {name}; {hint}? A sand of one's own gives all its constants, {missing[0]} is missing")
+    raise BadInput(
+        f"sand.name is {name}; it must be one of {', '.join(known)}, or come with all its constants: {missing[0]} is "
+        "missing"
+    )
 
 
 def _apply(tables: dict, change: str) -> None:

@@ -107,6 +107,6 @@ def small_run():
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(movie, "FILLING_FRAMES", 10)
             patch.setattr(movie, "FLOW_FRAMES", 50)
-            return run(Scene(**scene | parts), folder, film=film)
+            return run(Scene(**scene | parts), folder, film=film, progress=False).folder
 
     return leave

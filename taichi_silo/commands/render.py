@@ -67,7 +67,8 @@ def command(
     except (OSError, RuntimeError) as error:
         raise RunFailed(f"while {field} was drawn: {error}") from error
     scale = drawn.scale
-    voice.say(f"{file}  {scale.label}, {scale.low:g} to {scale.high:g}")
+    ends = "" if isinstance(scale.colours, tuple) else f", {scale.low:g} to {scale.high:g}"
+    voice.say(f"{file}  {scale.label}{ends}")
     voice.result(found | {"field": field, "range": [scale.low, scale.high], "size": list(look.size)})
 
 

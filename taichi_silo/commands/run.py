@@ -101,4 +101,5 @@ def scene_file(
 
     name = scene.resolve().parent.name if scene.name == "run.toml" else scene.stem
     folder = output.expanduser() if output else free_name(Path("outputs") / name)
+    voice.say(f"The run goes to {folder}.")
     cli.tell(simulate(wanted, folder, overwrite=overwrite, film=film, extra=(ProgressLine(voice.console),)), voice)

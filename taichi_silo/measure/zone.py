@@ -160,10 +160,10 @@ def _stations(arm, spacing):
 
 
 def _side(values, distance) -> float:
-    """Distance at which a profile has fallen to half of its first value; nan if it rises above that before."""
+    """Distance at which a profile has fallen to half of its first value; nan if there is none, or it rises before."""
     half = 0.5 * values[0]
     below = np.flatnonzero(values < half)
-    if not len(below) or values[: below[0]].max() > 1.1 * values[0]:
+    if not len(below) or below[0] == 0 or values[: below[0]].max() > 1.1 * values[0]:
         return np.nan
     after, before = below[0], below[0] - 1
     if not np.isfinite(values[after]):  # the wall or the surface

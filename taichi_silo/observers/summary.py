@@ -104,7 +104,11 @@ class Summary(Observer):
             found["largest_wall_normal_stress_Pa"] = self._wall_stresses()
             found |= self.profiles.overpressure() | self.profiles.largest_in_flow()
         if self.before is not None:
-            found |= flow_findings(self.after_filling, self.before, self.mid or self._state(), simulation.scene)
+            try:
+                found |= flow_findings(self.after_filling, self.before, self.mid or self._state(), simulation.scene)
+            except Exception as error:  # noqa: BLE001 - a measure that fails must not cost all others
+                why = f"Flow pattern, residence and shear zones could not be measured: {type(error).__name__}: {error}."
+                found["warnings"] = [*simulation.warnings, why]
         if simulation.ledger is not None:
             found["ledger"] = self._ledger()
         stepping, points = simulation.stepping_seconds, simulation.particles.count

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
+from matplotlib.patches import Polygon
 
 from taichi_silo.plots.run_files import by_void_ratio
 from taichi_silo.plots.style import new_figure, put_title
@@ -66,7 +67,7 @@ def run_void_ratio_figure(run):
     figure = new_figure(max(width, 4.6), height + (1.9 if few else 1.35))
     panels = figure.subplots(1, len(rows), squeeze=False, sharey=True)[0]
     for panel, row, field in zip(panels, rows, fields, strict=True):
-        _draw_field(panel, field, norm, limits)
+        _draw_field(panel, field, norm, limits, run.silo.solids())
         panel.set(xlabel="x (mm)", title=_moment(row, run.flow.empty))
     panels[0].set_ylabel("height (mm)")
     _color_bar(figure, panels, norm)
@@ -101,7 +102,7 @@ def case_void_ratio_figure(runs):
                     missing = f"u = {target:g} mm\nnot reached"
                     panel.text(0.5, 0.5, missing, ha="center", transform=panel.transAxes)
                     continue
-                _draw_field(panel, field, norm, limits)
+                _draw_field(panel, field, norm, limits, run.silo.solids())
                 panel.set_title(_moment(row, run.flow.empty))
             line[0].set_ylabel(f"{run.label}\nheight (mm)")
         for panel in panels[-1]:
@@ -111,13 +112,15 @@ def case_void_ratio_figure(runs):
     return figure
 
 
-def _draw_field(panel, field, norm, limits):
-    """Draw one square for each point."""
+def _draw_field(panel, field, norm, limits, solids):
+    """Draw one square for each point, and what stands in the silo."""
     position, void_ratio, side = field
     squares = 1e3 * (position[:, None, :] + OVERLAP * side[:, None, None] * CORNERS)
     squares[..., 0] = np.clip(squares[..., 0], *limits[0])  # the overlap must not reach over the walls
     cells = PolyCollection(squares, array=void_ratio, cmap=COLORS, norm=norm, antialiased=False, linewidth=0)
     panel.add_collection(cells)
+    for outline in solids:
+        panel.add_patch(Polygon(1e3 * outline, facecolor="#404040", linewidth=0, zorder=2))
     panel.set(xlim=limits[0], ylim=limits[1], aspect="equal", xticks=_ticks(limits[0]))
     panel.grid(False)
     panel.spines["right"].set_visible(True)

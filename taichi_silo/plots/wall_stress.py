@@ -91,9 +91,10 @@ def _draw(panel, run, quantity: str, name_origin: bool = True):
             mean = cell_mean(height, mean)
             panel.plot(mean / 1e3, 1e3 * height, color=color, linewidth=width, label=label, zorder=3)
         hopper = [_profile(run, state, wall, quantity) for wall in ("hopper_left", "hopper_right")]
-        for height, stress in (profile for profile in hopper if len(profile[0])):
-            read = cell_mean(height, stress, HOPPER_CELL_M)
-            panel.plot(read / 1e3, 1e3 * height, color=color, linewidth=width)
+        for (height, stress), line in zip(hopper, ("-", (0, (2, 1)) if run.lopsided else "-"), strict=True):
+            if len(height):
+                read = cell_mean(height, stress, HOPPER_CELL_M)
+                panel.plot(read / 1e3, 1e3 * height, color=color, linewidth=width, linestyle=line)
     _draw_janssen(panel, run, quantity, name_origin)
     _draw_code(panel, run, quantity)
     top = run.parameter("silo", "height_m")

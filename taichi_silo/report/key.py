@@ -92,8 +92,8 @@ def _overpressure(run: RunFiles) -> Card | None:
     if not found:
         return None
     words = (
-        f"times the pressure after filling, {found['wall']} wall at {mm(found['height_m'], 3)}, u = "
-        f"{mm(found['displacement_m'], 3)}: {kPa(found['normal_stress_Pa'])} instead of "
+        f"times the pressure after filling, {found['wall']} wall {mm(found['height_m'], 3)} above the bottom as it then "
+        f"is, u = {mm(found['displacement_m'], 3)}: {kPa(found['normal_stress_Pa'])} instead of "
         f"{kPa(found['after_filling_Pa'])} kPa"
     )
     return Card("Over-pressure in flow", f"× {number(found['factor'])}", "", sentence(words))
@@ -106,6 +106,12 @@ def _pattern(run: RunFiles) -> Card | None:
     kind = PATTERNS.get(found["kind"], found["kind"])
     left, right = found.get("transition_left_m"), found.get("transition_right_m")
     still = per_cent(found["stagnant_area_share"])
+    if run.silo.sinks and run.wall_kind == "very-rough":
+        words = (
+            "the whole bottom sinks, and the sand with it, but for what very rough walls hold: sand does not slip on "
+            f"them; {still} of all sand stands still there"
+        )
+        return Card("Flow pattern", "Mass flow", "", sentence(words))
     if found["kind"] == "mass":
         words = "all the sand moves, along both walls"
     elif found["kind"] == "funnel":

@@ -70,6 +70,8 @@ MEANINGS = {  # where a scene does not say it, or not in full
     "program.python": "version",
     "program.precision": "of all numbers",
     "program.wall_seconds": "of the whole run, films and files included",
+    "program.finished": "whether the run came to its end",
+    "program.resumed": "how often it was gone on with after a break",
 }
 
 

@@ -114,9 +114,12 @@ def stress_table(run: RunFiles) -> Table | None:
     where = "left / right wall" if run.lopsided else "mean of both walls"
     note = f"Wall normal stress in kPa, as a pressure cell of 20 mm reads it, {where}; height above the initial bottom."
     if code:
+        values = code.values()
         note += (
             f" EN 1991-4: {code.slenderness} silo, its table's sand on a {'D3' if run.wall_kind != 'smooth' else 'D2'} "
-            "wall, characteristic values without patch loads."
+            "wall, characteristic values without patch loads. "
+            f"Filling: γ = {values.weight_density_N_per_m3 / 1e3:g} kN/m³, K = {values.pressure_ratio:.3g}, μ = "
+            f"{values.wall_friction:.3g}; discharge: C_h = {code.discharge_factors[0]:.3g} times that."
         )
         note += "".join(f" {limit}" for limit in _limits(run))
     return Table(tuple(head), tuple(rows), note)

@@ -194,3 +194,12 @@ def test_the_mirrored_field_has_the_mirrored_zone(degrees, thickness, height):
     assert other.thickness_m.median == pytest.approx(zone.thickness_m.median, abs=0.2 * spacing)
     assert other.wall_left_m == pytest.approx(zone.wall_right_m, abs=spacing, nan_ok=True)
     assert other.wall_right_m == pytest.approx(zone.wall_left_m, abs=spacing, nan_ok=True)
+
+
+def test_a_profile_that_is_nowhere_above_half_has_no_width():
+    from taichi_silo.measure.zone import _side
+
+    distance = np.array([0.0, 1.0, 2.0])
+    assert np.isnan(_side(np.array([-1.0, -2.0, -3.0]), distance))  # nothing was sheared: half of it is more than it
+    assert np.isnan(_side(np.array([0.0, 0.0, 0.0]), distance))
+    assert _side(np.array([2.0, 1.5, 0.5]), distance) == pytest.approx(1.5)
