@@ -92,8 +92,8 @@ def _overpressure(run: RunFiles) -> Card | None:
     if not found:
         return None
     words = (
-        f"times the pressure after filling, {found['wall']} wall {mm(found['height_m'], 3)} above the bottom as it then "
-        f"is, u = {mm(found['displacement_m'], 3)}: {kPa(found['normal_stress_Pa'])} instead of "
+        f"times the pressure after filling, {found['wall']} wall {mm(found['height_m'], 3)} above the bottom at "
+        f"that time, u = {mm(found['displacement_m'], 3)}: {kPa(found['normal_stress_Pa'])} instead of "
         f"{kPa(found['after_filling_Pa'])} kPa"
     )
     return Card("Over-pressure in flow", f"× {number(found['factor'])}", "", sentence(words))
