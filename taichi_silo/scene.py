@@ -73,7 +73,7 @@ class Flow(Table):
     outflow: Literal["controlled", "gravity"] = Field(
         "controlled", description="at a given speed of the bottom or gate, or free"
     )
-    speed_m_per_s: float = Field(0.002, gt=0, description="of the bottom or gate; without meaning for gravity")
+    speed_m_per_s: float = Field(0.002, gt=0, le=1, description="of the bottom or gate; without meaning for gravity")
     displacement_m: float = Field(
         0.02, gt=0, description="of the bottom or gate at the end; for gravity of a gate that lets out as much"
     )
