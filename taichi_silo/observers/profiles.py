@@ -30,23 +30,24 @@ class WallProfiles(Observer):
         self.period = simulation.rows_per_period
         self.full = BLOCK_PERIODS * self.period
         self.states: dict[str, tuple[float, float, np.ndarray]] = {}  # state: how far the grid sank, u, profile
-        self.block, self.largest = [], 0.0
+        self.block, self.fresh, self.largest = [], 0, 0.0  # the last records, and how many of them no block has
         self.history = []  # time, displacement and profile of each block of flow
 
     def state(self) -> dict:
-        """Finished blocks, and of the present one as many records as its mean may need."""
+        """Finished blocks, and as many of the last records as a mean may need."""
         columns = enumerate(("time", *BLOCK))
         return {
             "largest": self.largest,
             "states": {name: dict(zip(BLOCK, block, strict=True)) for name, block in self.states.items()},
-            "block": packed(self.block[-self.full :]),
+            "block": packed(self.block),
+            "fresh": self.fresh,
             "history": {name: np.array([block[k] for block in self.history]) for k, name in columns},
         }
 
     def restore(self, simulation, kept: dict) -> None:
         """As it was."""
         self.begin(simulation)
-        self.largest, self.block = kept["largest"], unpacked(kept["block"])
+        self.largest, self.block, self.fresh = kept["largest"], unpacked(kept["block"]), kept["fresh"]
         self.states = {name: tuple(block[key] for key in BLOCK) for name, block in kept["states"].items()}
         history = [list(kept["history"][name]) for name in ("time", *BLOCK)]
         self.history = list(zip(*history, strict=True))
@@ -54,30 +55,40 @@ class WallProfiles(Observer):
     def observe(self, record) -> None:
         """Gather blocks of records."""
         if self.block and self.block[-1].stage != record.stage:
-            self._close(self.period)
-        self.block.append(record)
-        if record.stage == "flow" and len(self.block) == self.full:
-            self._close(self.full)
+            self._filled()
+        self.block, self.fresh = [*self.block[1 - self.full :], record], self.fresh + 1
+        if record.stage == "flow" and self.fresh == self.full:
+            self._flowed()
 
-    def _close(self, count: int) -> None:
+    def _filled(self) -> None:
+        """The state after filling: the mean over its last period."""
+        self.states["filling"], _ = self._mean(self.period)
+        self.block, self.fresh = [], 0
+
+    def _flowed(self) -> None:
+        """A block of flow is full."""
+        here, normal = self._mean(self.full)
+        self.history.append((self.block[-1].time_s, *here))
+        if normal > self.largest:
+            self.largest, self.states["maximum"] = normal, here
+        self.fresh = 0
+
+    def _mean(self, count: int) -> tuple[tuple, float]:
+        """Over the last records: sunk, displacement and profile; and the normal force."""
         recent = self.block[-count:]
         span = sum(r.interval_s for r in recent)
-        mean = sum(r.profile * r.interval_s for r in recent) / span
+        profile = sum(r.profile * r.interval_s for r in recent) / span
         normal = sum(r.normal_N_per_m * r.interval_s for r in recent) / span
-        here = (-self.simulation.origin_m, recent[-1].displacement_m, mean)
-        if recent[-1].stage == "filling":
-            self.states["filling"] = here
-        else:
-            self.states["residual"] = here
-            self.history.append((recent[-1].time_s, *here))
-            if normal > self.largest:
-                self.largest, self.states["maximum"] = normal, here
-        self.block = []
+        return (-self.simulation.origin_m, recent[-1].displacement_m, profile), normal
 
     def end(self) -> None:
         """Write the file."""
-        if self.block and (self.block[-1].stage == "filling" or "residual" not in self.states):
-            self._close(self.period)
+        if self.block and self.block[-1].stage == "flow":
+            if not self.history:  # too short for a block
+                self._flowed()
+            self.states["residual"], _ = self._mean(self.full)
+        elif self.block:
+            self._filled()
         with open(self.file, "w", newline="") as stream:
             writer = csv.writer(stream)
             writer.writerow(["state", "wall", "height_m", "normal_stress_Pa", "shear_stress_Pa"])
