@@ -1,6 +1,7 @@
 """A user's measurements: a CSV file of curves or of a wall profile, its units read from the names of its columns."""
 
 import csv
+import difflib
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +24,7 @@ CURVES = {  # column less its unit: what it is called here, its units
 PROFILE = {"normal_stress": ("normal_stress_Pa", STRESS), "shear_stress": ("shear_stress_Pa", STRESS)}
 STATES = {"filling": "filling", "filled": "filling", "maximum": "maximum", "peak": "maximum", "residual": "residual"}
 WALLS = ("left", "right", "both")
+REMARKS = ("remark", "remarks", "comment", "comments", "note", "notes")  # columns that are passed over
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,9 @@ class Measured:
 
 
 def read(file: Path) -> Measured:
-    """Read a file; separators are commas, or semicolons, with which numbers may have decimal commas.
+    """Read a file; separators are commas, or semicolons or tabs, with which numbers may have decimal commas.
+
+    Lines that begin with # and columns of remarks are passed over.
 
     Raises
     ------
@@ -66,13 +70,19 @@ def read(file: Path) -> Measured:
     """
     file = Path(file).expanduser()
     try:
-        lines = file.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadInput(f"{file} cannot be read as a table: {getattr(error, 'strerror', None) or error}") from error
-    lines = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" ;,\t")]
+        text = file.read_bytes()
+    except OSError as error:
+        raise BadInput(f"{file} cannot be read as a table: {error.strerror or error}") from error
+    if b"\x00" in text:
+        raise BadInput(f"{file} cannot be read as a table: it must be text, in UTF-8")
+    try:
+        lines = text.decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError:  # as spreadsheets of Windows save it
+        lines = text.decode("cp1252", errors="replace").splitlines()
+    lines = [(n, line) for n, line in enumerate(lines, 1) if line.strip(" ;,\t") and not line.startswith("#")]
     if not lines:
         raise BadInput(f"{file} is empty; its first line must name its columns")
-    separator = ";" if ";" in lines[0][1] else ","
+    separator = next((mark for mark in (";", "\t") if mark in lines[0][1]), ",")
     rows = csv.reader((line for _, line in lines), delimiter=separator)
     head, *rows = [[cell.strip() for cell in row] for row in rows]
     while head and not head[-1]:  # what a spreadsheet leaves behind the last column
@@ -82,12 +92,14 @@ def read(file: Path) -> Measured:
         raise BadInput(f"{file} has no rows; it must have at least one below the names of its columns")
     if len(rows) != len(lines) - 1:
         raise BadInput(f"{file} has line breaks within quotes; it must have one row a line")
-    table = {name: [] for name, _ in columns}
+    table = {name: [] for name, _ in columns if name}
     for (number, _), row in zip(lines[1:], rows, strict=True):
         if len(row) < len(head) or any(row[len(head) :]):
-            hint = "" if separator == ";" else "; numbers with decimal commas need semicolons between columns"
+            hint = "" if separator != "," else "; numbers with decimal commas need semicolons between columns"
             raise BadInput(f"{file}, line {number}, has {len(row)} values; it must have {len(head)}{hint}")
         for cell, title, (name, factor) in zip(row, head, columns, strict=False):
+            if not name:
+                continue
             where = f"{file}, line {number}: {title} is {cell or 'empty'}"
             table[name].append(_word(name, cell, where) if factor is None else factor * _value(cell, where, separator))
     return _ordered(file, kind, pd.DataFrame(table))
@@ -96,15 +108,15 @@ def read(file: Path) -> Measured:
 def _columns(file: Path, head: list[str]) -> tuple[str, list[tuple[str, float | None]]]:
     """Kind of the file, and of each column its name here and its factor to SI; None for words."""
     found = [_column(file, title) for title in head]
-    names, kinds = [name for _, name, _ in found], {kind for kind, *_ in found}
+    names, kinds = [name for _, name, _ in found], {kind for kind, *_ in found if kind}
     for name, title in zip(names, head, strict=True):
-        if names.count(name) > 1:
+        if name and names.count(name) > 1:
             raise BadInput(f"{file} has {title} twice, under one name or another; it must have each quantity once")
     if kinds == {"curves", "profile"}:
         raise BadInput(f"{file} has columns of curves and of a wall profile; it must have those of one of them")
-    kind = kinds.pop()
+    kind = kinds.pop() if kinds else "curves"
     needs = ("height_m",) if kind == "profile" else ("displacement_m", "time_s")
-    places, measured = [name for name in names if name in needs], set(names) - set(needs) - {"state", "wall"}
+    places, measured = [name for name in names if name in needs], set(names) - set(needs) - {"state", "wall", ""}
     if len(places) != 1 or not measured:
         raise BadInput(f"{file} has the columns {', '.join(head)}; it must have {right_columns()}")
     return kind, [(name, factor) for _, name, factor in found]
@@ -115,6 +127,9 @@ def _column(file: Path, title: str) -> tuple[str, str, float | None]:
     key = title.casefold()
     if key in ("state", "wall"):
         return "profile", key, None
+    if key in REMARKS:
+        return "", "", None
+    known_names = []
     for kind, known in (
         ("curves", {name: (f"{name}_{next(iter(units))}", units) for name, units in PLACES.items()}),
         ("curves", CURVES),
@@ -122,9 +137,13 @@ def _column(file: Path, title: str) -> tuple[str, str, float | None]:
     ):
         for start, (name, units) in known.items():
             for unit, factor in units.items():
+                known_names.append(f"{start}_{unit}")
                 if key == f"{start}_{unit}".casefold():
                     return kind, name, factor
-    raise BadInput(f"{file} has the column {title or 'without a name'}; it must have {right_columns()}")
+    near = difflib.get_close_matches(title, known_names, 1, 0.5)
+    if near:
+        raise BadInput(f"{file} has the unknown column {title}; did you mean {near[0]}?")
+    raise BadInput(f"{file} has the unknown column {title or 'without a name'}; it must have {right_columns()}")
 
 
 def right_columns() -> str:
@@ -143,7 +162,7 @@ def _value(cell: str, where: str, separator: str) -> float:
     if not cell:
         return math.nan
     try:
-        value = float(cell.replace(",", ".") if separator == ";" else cell)
+        value = float(cell.replace(",", ".") if separator != "," else cell)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

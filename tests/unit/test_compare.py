@@ -175,7 +175,7 @@ def test_gaps_are_left_out_and_doubles_are_averaged(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("displacement_mm,P_kN\n1,2\n", ["P_kN", "displacement_m, displacement_mm or time_s", "P_N_per_m", "height_m"]),
+        ("displacement_mm,P_kN\n1,2\n", ["unknown column P_kN", "did you mean P_kN_per_m"]),
         ("displacement_mm,force\n1,2\n", ["force", "bottom_force_N_per_m", "_kN_per_m", "normal_stress_Pa"]),
         ("P_kN_per_m,N_kN_per_m\n1,2\n", ["P_kN_per_m, N_kN_per_m", "displacement_m"]),
         ("displacement_mm\n1\n", ["displacement_mm", "left_normal_N_per_m"]),
@@ -390,3 +390,30 @@ def test_the_report_command_says_where_the_page_is(runs, tmp_path, monkeypatch, 
     code, _, err = call(monkeypatch, capsys, "report", tmp_path)
     assert code == 2
     assert "holds no run.toml" in err
+
+
+def test_tables_of_a_laboratory_are_read_as_they_come(tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_bytes("# Silo 7, Prüfung 3\ndisplacement_mm;N_kN_per_m;remarks\n1;0,68;früh\n5;0,71;\n".encode("cp1252"))
+    found = read(file)
+    assert found.table.displacement_m.tolist() == [0.001, 0.005]
+    assert found.table.N.tolist() == pytest.approx([680.0, 710.0])
+    file.write_text("displacement_mm\tP_kN_per_m\n1\t0,68\n")
+    assert read(file).table.P.tolist() == pytest.approx([680.0])
+
+
+@pytest.mark.parametrize(
+    ("head", "words"),
+    [
+        ("displacement_mm;N_kN/m", "unknown column N_kN/m; did you mean N_kN_per_m?"),
+        ("displacement;N_kN_per_m", "unknown column displacement; did you mean displacement_m"),
+        ("displacement_mm;temperature", "unknown column temperature; it must have displacement_m"),
+        ("remark;note", "it must have displacement_m"),
+    ],
+)
+def test_an_unknown_column_is_named_with_the_one_that_was_meant(tmp_path, head, words):
+    file = tmp_path / "lab.csv"
+    file.write_text(f"{head}\n1;2\n")
+    with pytest.raises(BadInput) as caught:
+        read(file)
+    assert words in str(caught.value)
