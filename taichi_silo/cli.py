@@ -100,7 +100,10 @@ def explain(scene) -> None:
 
 
 def tell(folder: Path, voice: Voice | None = None) -> None:
-    """Say where to look."""
+    """Say where to look, and how far to trust it."""
+    from taichi_silo.plots.run_files import RunFiles
+    from taichi_silo.report.trust import verdict
+
     voice = voice or Voice()
     voice.say(f"\nThe run is in {folder}")
     for name, what in (
@@ -111,5 +114,8 @@ def tell(folder: Path, voice: Voice | None = None) -> None:
     ):  # fmt: skip
         if (folder / name).exists():
             voice.say(f"  {name:26s} {what}")
+    said = verdict(RunFiles.read(folder))
+    voice.say(f"\n{said.title}. {said.words}", f"One page of it all: taichi-silo report {folder}")
     summary = folder / "summary.json"
-    voice.result({"folder": str(folder), "summary": json.loads(summary.read_text()) if summary.exists() else {}})
+    found = json.loads(summary.read_text(encoding="utf-8")) if summary.exists() else {}
+    voice.result({"folder": str(folder), "summary": found})
