@@ -86,6 +86,26 @@ def _stop(sentence: str, code: int) -> None:
     sys.exit(code)
 
 
+def print_or_write(text: str, output: Path | None) -> None:
+    """Print a text, or write it to a file that is not there yet.
+
+    Raises
+    ------
+    BadInput
+        if the file is there, or cannot be written.
+
+    """
+    if output is None:
+        print(text, end="")
+        return
+    if output.exists():
+        raise BadInput(f"output {output} is there already; give another name")
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise BadInput(f"output {output} cannot be written: {error.strerror or error}") from error
+
+
 def explain(scene) -> None:
     """Say which parts of the method a scene uses, and why."""
     from taichi_silo.parts import parts  # with it comes the whole solver

@@ -19,17 +19,9 @@ def drawing(
     """
     import tomli_w
 
+    from taichi_silo.cli import print_or_write
     from taichi_silo.drawing import read_silo
-    from taichi_silo.faults import BadInput
 
     silo = read_silo(file, unit)
     text = tomli_w.dumps({"silo": silo.model_dump(mode="json", exclude_none=True, exclude_defaults=True)})
-    if output is None:
-        print(text, end="")
-        return
-    if output.exists():
-        raise BadInput(f"output {output} is there already; give another name")
-    try:
-        output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise BadInput(f"output {output} cannot be written: {error.strerror or error}") from error
+    print_or_write(text, output)

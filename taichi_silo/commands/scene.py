@@ -18,6 +18,7 @@ def scene(
     import json
 
     from taichi_silo import reference
+    from taichi_silo.cli import print_or_write
     from taichi_silo.faults import BadInput
     from taichi_silo.scene import Scene
 
@@ -26,12 +27,4 @@ def scene(
     text = reference.markdown() if markdown else reference.template()
     if schema:
         text = json.dumps(Scene.model_json_schema(), indent=2, ensure_ascii=False) + "\n"
-    if output is None:
-        print(text, end="")
-        return
-    if output.exists():
-        raise BadInput(f"output {output} is there already; give another name")
-    try:
-        output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise BadInput(f"output {output} cannot be written: {error.strerror or error}") from error
+    print_or_write(text, output)
