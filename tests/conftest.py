@@ -71,6 +71,12 @@ def data():
     return DATA
 
 
+@pytest.fixture
+def tried(record_property):
+    """A function that counts what a test has tried, for the table of trust: group, what, how many."""
+    return lambda group, what, count=1: record_property("tried", [group, what, count])
+
+
 @pytest.fixture(scope="session")
 def site(tmp_path_factory):
     """The documentation as `make docs` builds it, every warning an error; once for all processes of the tests."""

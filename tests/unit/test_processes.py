@@ -17,12 +17,12 @@ PROGRAM = """
     from pathlib import Path
     from taichi_silo.child import given
 
-    word = given().strip()
-    print("0.5", flush=True)
-    if word == "fail":
-        print("x" * 200_000, file=sys.stderr)
-        sys.exit("the silo is empty")
     try:
+        word = given().strip()
+        print("0.5", flush=True)  # whoever hears it may interrupt at once
+        if word == "fail":
+            print("x" * 200_000, file=sys.stderr)
+            sys.exit("the silo is empty")
         while word.startswith("wait"):
             time.sleep(0.01)
     except KeyboardInterrupt:
