@@ -14,7 +14,7 @@ import numpy as np
 
 from taichi_silo.faults import BadInput
 
-FORMAT = 1  # of what is kept; a file of another one is refused
+FORMAT = 2  # of what is kept; a file of another one is refused
 
 
 class Damaged(ValueError):

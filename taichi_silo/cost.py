@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from taichi_silo.alarms.alarm import Alarms
 from taichi_silo.faults import RunFailed
 from taichi_silo.filling import FIRST_STEP, LONGEST_SETTLING_PERIODS, duration
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
@@ -105,6 +106,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
     arrays = particles.arrays()
     clock = {name: value for name, value in vars(simulation).items() if isinstance(value, int | float | str | None)}
     scene, ledger, simulation.ledger = simulation.scene, simulation.ledger, None
+    alarms, simulation.alarms = simulation.alarms, Alarms()
     depth = scene.silo.height_m - arrays["position"][:, 1]
     vertical = -scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * np.maximum(depth, 0.0)
     side = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio) * vertical
@@ -119,7 +121,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
             if len(rates) > 4 and time.monotonic() - begun > seconds:
                 break
     found = float(np.median(rates)) if rates else math.nan  # the first interval builds lists; others get interrupted
-    simulation.ledger = ledger
+    simulation.ledger, simulation.alarms = ledger, alarms
     for name, value in clock.items():
         setattr(simulation, name, value)
     particles.load(arrays)

@@ -17,8 +17,9 @@ from taichi_silo.symmetry import half_model
 CHECKPOINT = "checkpoint.npz"  # from which it goes on
 MADE = "run.toml"  # its presence says that the folder holds a run
 PRODUCTS = (
-    MADE, "summary.json", "forces.csv", "balance.csv", "walls.csv", "checkpoint*.npz", "curve.csv", "points.npz",
-    "points.vtu", "scene.json", "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv", "snapshots/silo.pvd",
+    MADE, "run.log", "summary.json", "forces.csv", "balance.csv", "walls.csv", "checkpoint*.npz", "curve.csv",
+    "points.npz", "points.vtu", "scene.json", "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv",
+    "snapshots/silo.pvd",
     *(f"{field}{ending}" for field in FIELDS for ending in (".mp4", ".*.mp4", "_*.png")),  # films and pictures
     "silo.vtkhdf", "csv/*.csv", "report.html",
 )  # fmt: skip

@@ -9,12 +9,12 @@ from taichi_silo.observers import Observer, checkpoint
 from taichi_silo.observers.checkpoint import Checkpoint
 from taichi_silo.observers.forces import BALANCE, FORCES, Table
 from taichi_silo.observers.guard import Guard
+from taichi_silo.observers.log import Log
 from taichi_silo.observers.movie import Movie
 from taichi_silo.observers.profiles import WallProfiles
 from taichi_silo.observers.segments import clear
 from taichi_silo.observers.snapshots import Snapshots
 from taichi_silo.observers.summary import Summary
-from taichi_silo.observers.watch import Watch
 from taichi_silo.scene import Scene
 from taichi_silo.simulation import Simulation
 from taichi_silo.stopping import between_intervals
@@ -117,6 +117,7 @@ class _Session:
         figured = [share * last for share in FIGURE_SHARES] if free else FIGURE_DISPLACEMENTS_M
         profiles = WallProfiles(folder / "walls.csv")
         self.summary = Summary(folder / "summary.json", profiles)
+        self.log = Log(folder / "run.log")
         self.observers: dict[str, Observer] = {
             "forces": Table(folder / "forces.csv", FORCES, bodies=True),
             "balance": Table(folder / "balance.csv", BALANCE),
@@ -124,7 +125,7 @@ class _Session:
             "snapshots": Snapshots(folder, {u for u in figured if u < last} | {last}, scene.snapshots),
             "summary": self.summary,
             **({"film": Movie(folder / "void_ratio.mp4")} if film else {}),
-            "watch": Watch(),
+            "log": self.log,
             **{f"{type(one).__name__}_{number}": one for number, one in enumerate(extra)},
             "guard": Guard(),  # after the others: they have seen what it stops at
         }
@@ -141,7 +142,7 @@ class _Session:
                 self._note()
                 self._simulate(begun.values(), check)
         except BaseException as error:
-            self.summary.failure = str(error) or type(error).__name__
+            self.summary.failure = self.log.failure = str(error) or type(error).__name__
             raise
         finally:
             for end in (*(observer.end for observer in begun.values()), self._draw):

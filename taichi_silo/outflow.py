@@ -9,6 +9,7 @@ from taichi_silo.noise import NoiseControl
 RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
 OPENED = -20.0  # speed of a gate that sand cannot follow [m/s]
 SHORT, LANDING = 0.5, 0.6  # of an interval and of a time step in free outflow: sand that lands is stiff at once
+LONGER = 1.05  # at most, a step against that of the interval before: where sand has landed, more will
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
 
 
@@ -49,7 +50,8 @@ def fall(simulation):
     ):
         fastest = simulation.after.speed + simulation.gravity * simulation.interval
         before, short = simulation.ledger.mass, SHORT * simulation.interval
-        record = simulation.advance(min(short, reach / fastest), plate_velocity=(OPENED, OPENED), growth=LANDING)
+        duration = min(short, reach / fastest)
+        record = simulation.advance(duration, plate_velocity=(OPENED, OPENED), growth=LANDING, longer=LONGER)
         if simulation.ledger.mass > before:
             simulation.left_at = simulation.time
         yield record

@@ -26,9 +26,13 @@ class Record:
     momentum_rate_N_per_m: float  # of the vertical momentum
     control_N_per_m: float  # vertical force of the noise control on the sand
     kinetic_energy_J_per_m: float
+    kinetic_gain_J_per_m: float  # in the interval
+    work_J_per_m: float  # of weight and moving walls, in the interval
+    stored_J_per_m: float  # in the sand's stress, as the present stiffness has it
     time_step_s: float
     stable_step_s: float
     void_ratio_low: float
+    void_ratio_high: float
     separated: int  # points that carry no stress
     strays: int
     speed_m_per_s: float

@@ -6,9 +6,9 @@ import time
 import numpy as np
 
 from taichi_silo import filling, outflow
+from taichi_silo.alarms.alarm import Alarm, Alarms
 from taichi_silo.averaging import NonLocal
 from taichi_silo.column import wave_speed_of
-from taichi_silo.faults import RunFailed
 from taichi_silo.geometry import Setting
 from taichi_silo.grid import MARGIN
 from taichi_silo.half import HalfSolver
@@ -54,6 +54,7 @@ class Simulation:
     def __init__(self, scene: Scene, control: NoiseControl | None = None, lanes: bool | None = None):
         self.scene = scene
         self.warnings = weaknesses(scene)  # sentences on what is known, and what observers find
+        self.alarms = Alarms()  # what has been found wrong
         # mass scaling: heavier grains under a smaller gravity have the same weight
         self.law = scene.law
         self.gravity = scene.method.gravity_m_per_s2 / scene.method.mass_scaling
@@ -64,6 +65,7 @@ class Simulation:
         self.filling = filling.Progress()
         self.flow_start, self.bottom_speed = None, 0.0  # [s], [m/s]
         self.left_at = 0.0  # when sand last left, or could not yet [s]
+        self.step = math.inf  # of the last interval [s]
         self.steps, self.stepping_seconds = 0, 0.0
         self.after, self.seen = None, None  # last survey, and of which points
         per_axis = math.isqrt(scene.grid.points_per_cell)
@@ -157,17 +159,22 @@ class Simulation:
             yield from outflow.flow(self)
             self.finished = True
 
-    def advance(self, duration: float, gravity=None, plate_velocity=(0.0, 0.0), growth: float = 1.0) -> Record:
+    def advance(
+        self, duration: float, gravity=None, plate_velocity=(0.0, 0.0), growth: float = 1.0, longer: float = math.inf
+    ) -> Record:
         """Steps over an interval [s]; gravity and plate velocity, pairs, vary linearly from its start to its end.
 
-        `growth` is a factor of the time step, for intervals in which the stress grows.
+        `growth` is a factor of the time step, for intervals in which the stress grows; `longer` how many times as long
+        as in the last interval it may be at most.
         """
         scene, solver = self.scene, self.solver
         gravity = (self.gravity, self.gravity) if gravity is None else gravity
         before = self.after if self.seen == self.particles.loads else solver.survey()
-        step = scene.method.time_step(before, STEP_SAFETY) * (growth if scene.method.time_step_s is None else 1.0)
+        step = scene.method.time_step(before, STEP_SAFETY)
+        if scene.method.time_step_s is None:
+            step = min(growth * step, longer * self.step)
         steps = max(1, math.ceil(duration / step - 1e-9))
-        dt = duration / steps
+        dt = self.step = duration / steps
         held = self.held_mass
         drag = self.control.filling_drag if self.stage == "filling" else 0.0
         begun = time.perf_counter()
@@ -177,7 +184,7 @@ class Simulation:
         after = self.after = solver.survey()
         self.seen = self.particles.loads
         if after.strays:
-            raise RunFailed(self._astray(after.strays, dt))
+            self.alarms.take(self._astray(after.strays, dt), self)
         self.time += duration
         self.steps += steps
         gone = self._settle()
@@ -185,9 +192,12 @@ class Simulation:
             self.displacement -= 0.5 * (plate_velocity[0] + plate_velocity[1]) * duration
         else:  # of a gate that would have let out as much
             self.displacement = gone / (self.density * scene.silo.outlet_share_m)
+        stands = self._stands(reaction) / duration
         reaction = self._joined(reaction) / duration
         forces = self.section.forces(reaction)
         force = forces.sum(axis=1)
+        lift = self.whole * (after.height - before.height)
+        work = self._work(held, lift, force[BOTTOM, 1] - stands, gravity, plate_velocity, duration)
         return Record(
             time_s=self.time,
             stage=self.stage,
@@ -202,9 +212,13 @@ class Simulation:
             momentum_rate_N_per_m=self.whole * (after.momentum - before.momentum) / duration,
             control_N_per_m=self.whole * control[:, 1].sum() / duration,
             kinetic_energy_J_per_m=self.whole * after.kinetic_energy,
+            kinetic_gain_J_per_m=self.whole * (after.kinetic_energy - before.kinetic_energy),
+            work_J_per_m=work,
+            stored_J_per_m=self.whole * after.stored,
             time_step_s=dt,
             stable_step_s=after.stable_step,
             void_ratio_low=after.void_ratio_low,
+            void_ratio_high=after.void_ratio_high,
             separated=self.points_per_computed * after.separated,
             strays=after.strays,
             speed_m_per_s=after.speed,
@@ -212,6 +226,26 @@ class Simulation:
             discharged_kg_per_m=gone,
             bodies_N_per_m=dict(zip(self.bodies, force[BODIES:].tolist(), strict=True)),
         )
+
+    def _work(self, held: float, lift: float, push: float, gravity, plate_velocity, duration: float) -> float:
+        """Of weight, and of the bottom or gate that moves, on the sand within an interval [J/m].
+
+        `lift` is the change of mass times height in the grid, `push` the vertical force of what moves.
+        """
+        way = 0.5 * (plate_velocity[0] + plate_velocity[1]) * duration  # upwards
+        if self.scene.silo.sinks:
+            lift += held * way
+        if plate_velocity[0] <= OPENED:
+            way = 0.0  # nothing presses on an open gate
+        return push * way - 0.5 * (gravity[0] + gravity[1]) * lift
+
+    def _stands(self, reaction: np.ndarray) -> float:
+        """Vertical impulse of the floor beside a gate, which stands [N s/m]."""
+        if self.scene.silo.sinks:
+            return 0.0
+        floor = np.zeros_like(reaction)
+        floor[BOTTOM] = reaction[BOTTOM]
+        return float(self.section.forces(self._joined(floor))[BOTTOM, :, 1].sum())
 
     def _joined(self, reaction: np.ndarray) -> np.ndarray:
         """Impulses (left, right, bottom, bodies): those of a gate are the bottom's."""
@@ -254,17 +288,21 @@ class Simulation:
         arrays["identity"] = self.identity
         return arrays
 
-    def _astray(self, count: int, dt: float) -> str:
+    def _astray(self, count: int, dt: float) -> Alarm:
         points = self._computed()
-        first = int(np.argmin(self._within(points, self.width)))
-        x, y = points["position"][first]
-        if not np.isfinite(x + y):  # where it is cannot be said, but where it was filled in
-            x, y = self.fill_state["position"][self.identity[first]]
-        return (
-            f"after t = {self.time:.4f} s ({self.stage}, u = {1e3 * self.displacement:.3f} mm) {count} points left the "
-            f"silo or are not finite, one near x = {1e3 * (x + self.section.shift):.1f} mm, y = {1e3 * y:.1f} mm; a "
-            f"time step too large is the likely cause (it was {1e6 * dt:.1f} us)"
-        )
+        within = self._within(points, self.width)
+        first = int(np.argmin(within))
+        place, point = points["position"][first], self.identity[first]
+        lost = int((~np.isfinite(points["stress"]).all(axis=1) | ~np.isfinite(points["position"]).all(axis=1)).sum())
+        if not np.isfinite(place).all():  # where it is cannot be said, but where it was filled in
+            place = self.fill_state["position"][point]
+        alarm = Alarm(
+            "not finite" if lost else "outside the grid", True,
+            f"{count} points left the silo or are not finite, one{{place}}",
+            f"a time step too large is the likely cause (it was {1e6 * dt:.1f} us)",
+            "let the step be chosen, or give a smaller cfl", float(count), 0.0,
+        )  # fmt: skip
+        return alarm.at(place + (self.section.shift, 0.0), point)
 
     def inside(self, points: dict[str, np.ndarray]) -> np.ndarray:
         """Which of `points()` are finite and within the grid less its margin."""

@@ -14,7 +14,7 @@ import numpy as np
 from taichi_silo import filling, outflow
 
 CLOCK = (
-    "time", "displacement", "stage", "settled", "finished", "flow_start", "bottom_speed", "left_at", "steps",
+    "time", "displacement", "stage", "settled", "finished", "flow_start", "bottom_speed", "left_at", "step", "steps",
     "stepping_seconds", "seen",
 )  # fmt: skip
 NODAL = ("memory", "velocity", "change", "echo")
@@ -27,6 +27,7 @@ def of(simulation) -> dict:
         "clock": {name: getattr(simulation, name) for name in CLOCK} | {"loads": particles.loads},
         "filling": dataclasses.asdict(simulation.filling),
         "warnings": list(simulation.warnings),
+        "alarms": simulation.alarms.state(),
         "after": vars(simulation.after) if simulation.after else None,
         "points": particles.arrays() | {"identity": simulation.identity},
         "nodes": {name: getattr(simulation.grid, name).to_numpy() for name in NODAL},
@@ -50,6 +51,7 @@ def restore(simulation, kept: dict) -> None:
         setattr(simulation, name, value)
     simulation.filling = filling.Progress(**kept["filling"])
     simulation.warnings = list(dict.fromkeys([*kept["warnings"], *simulation.warnings]))
+    simulation.alarms.restore(kept["alarms"])
     simulation.after = SimpleNamespace(**kept["after"]) if kept["after"] else None
     simulation.identity = points.pop("identity")
     if simulation.stage == "flow" and simulation.scene.flow.outflow == "gravity":

@@ -25,7 +25,6 @@ from taichi_silo.measure.certificate import certificate
 from taichi_silo.measure.shear_zones import wall_zone_thickness_m
 from taichi_silo.observers import Observer
 from taichi_silo.observers.guard import Guard
-from taichi_silo.observers.watch import Watch
 from taichi_silo.scene import Machine, Scene
 from taichi_silo.settings import OUTSIDE, changed
 from taichi_silo.simulation import Simulation
@@ -111,7 +110,7 @@ def simulate(one: Point, told=lambda cost: None) -> dict:
     told(expected)
     begun = time.process_time()
     records, profile = Records(), WallProfile()
-    observers = (records, profile, Watch(), Guard())
+    observers = (records, profile, Guard())
     for observer in observers:
         observer.begin(simulation)
     try:

@@ -88,11 +88,19 @@ def _state_measures(filled: dict, final: dict, scene) -> dict:
     }
     if still.any():
         found["unexplained_densification"] = unexplained_densification(filled, final, scene)[0]
-    seconds = final["time_s"] - filled["time_s"]
-    pressure = np.maximum(-final["stress"][:, :3].sum(axis=1) / 3.0, 1.0)
-    inertial = np.sqrt(2.0) * path / seconds * scene.sand.d50_m * np.sqrt(scene.sand.grain_density_kg_per_m3 / pressure)
+    inertial = inertial_number(path, final["time_s"] - filled["time_s"], final["stress"], scene)
     found["inertial_number_99th_percentile"] = float(np.percentile(inertial[below], 99))
     return found
+
+
+def inertial_number(path: np.ndarray, seconds: float, stress: np.ndarray, scene) -> np.ndarray:
+    """Of points (n,): shear rate times grain size over the root of pressure over grain density.
+
+    `path` is the length of the strain's path within so many seconds, `stress` (n, 4) the present one [Pa].
+    """
+    pressure = np.maximum(-stress[:, :3].sum(axis=1) / 3.0, 1.0)
+    rate = np.sqrt(2.0) * path / seconds
+    return rate * scene.sand.d50_m * np.sqrt(scene.sand.grain_density_kg_per_m3 / pressure)
 
 
 def _unsheared(filled: dict, now: dict, below: np.ndarray) -> np.ndarray:

@@ -1,73 +1,72 @@
-"""Stops a run that has gone wrong, and says when, where and why."""
+"""Looks for wrongness all the time, says when, where, why and what to do, and stops a run that is lost."""
 
-import numpy as np
-
-from taichi_silo.faults import RunFailed
+from taichi_silo.alarms import points as of_points
+from taichi_silo.alarms import records as of_records
 from taichi_silo.observers import Observer
 
-LONGEST_STEP = 1.5  # over the stable one; beyond, sand ratchets long before it explodes
-LONGEST_FALLING = 4.0  # the same in free outflow, where one point that lands is stiff within a few steps
-DENSEST = 0.9  # of e_d0: no sand is denser
-FASTEST = 0.3  # of the wave speed: sand that falls through the whole silo stays far below
-MOST_SEPARATED = 0.5  # of the points: more, and the fill is falling apart
+EVERY_PERIODS = 4  # of the column, between two looks at all points
+OF_RECORDS = (
+    of_records.TimeStep, of_records.Speed, of_records.Density, of_records.Separation, of_records.Balance,
+    of_records.Energy, of_records.Motion,
+)  # fmt: skip
+OF_POINTS = (of_points.Outside, of_points.Ratcheting, of_points.Inertia)
 
 
 class Guard(Observer):
-    """Checks each record.
+    """Runs all checks; what they find is in `simulation.alarms`, and what does not stop the run in its warnings, too.
 
     Raises
     ------
     RunFailed
-        from `observe`, naming the time, the place and the likely cause.
+        from `observe`, naming time, place, likely cause and remedy.
 
     """
 
     def begin(self, simulation) -> None:
-        """Remember whom to look at."""
-        self.simulation = simulation
+        """Let the checks know whom to look at."""
+        self.simulation, self.count = simulation, 0
+        self.of_records = [check() for check in OF_RECORDS]
+        self.of_points = [check() for check in OF_POINTS]
+        for check in (*self.of_records, *self.of_points):
+            check.begin(simulation)
+
+    def state(self) -> dict:
+        """Of all checks."""
+        checks = {type(check).__name__: check.state() for check in (*self.of_records, *self.of_points)}
+        return {"count": self.count, "checks": checks}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """As they were."""
+        self.begin(simulation)
+        self.count = kept.get("count", 0)
+        for check in (*self.of_records, *self.of_points):
+            check.restore(simulation, kept.get("checks", {}).get(type(check).__name__, {}))
+
+    def filled(self) -> None:
+        """Show the checks that ask for it the state that the flow starts from."""
+        points = self.simulation.points()
+        for check in self.of_points:
+            if hasattr(check, "filled"):
+                check.filled(points)
 
     def observe(self, record) -> None:
-        """Points lost or not finite, void ratio out of bounds, step too long."""
-        when = f"at t = {record.time_s:.4f} s ({record.stage}, u = {1e3 * record.displacement_m:.3f} mm)"
-        given = self.simulation.scene.method.time_step_s is not None
-        advice = "let it be chosen, or give a smaller one" if given else "the bottom is too fast for this grid"
-        free = self.simulation.scene.flow.outflow == "gravity" and record.stage == "flow"
-        longest = LONGEST_FALLING if free else LONGEST_STEP
-        if record.time_step_s > longest * record.stable_step_s:
-            raise RunFailed(
-                f"{when} the time step of {1e6 * record.time_step_s:.1f} us is above {longest} times the stable "
-                f"one of {1e6 * record.stable_step_s:.1f} us; {advice}"
-            )
-        if record.speed_m_per_s > FASTEST * self.simulation.wave_speed:
-            raise RunFailed(
-                f"{when} a point near {self._where('fastest')} moves at {record.speed_m_per_s:.1f} m/s, more than "
-                f"{FASTEST} of the speed of waves in the sand; the computation is exploding (a smaller time step, "
-                "another shape than linear?)"
-            )
-        densest = DENSEST * self.simulation.scene.sand.e_d0
-        if record.void_ratio_low < densest:
-            raise RunFailed(
-                f"{when} the void ratio falls to {record.void_ratio_low:.3f} near {self._where('densest')}, below "
-                f"{densest:.3f}, denser than any packing; {self._compactor()}"
-            )
-        if record.stage == "flow" and not free and record.separated > MOST_SEPARATED * self.simulation.scene.points:
-            raise RunFailed(
-                f"{when} {record.separated} of {self.simulation.scene.points} points carry no stress, the loosest near "
-                f"{self._where('loosest')}; the fill is falling apart (is the bottom too fast?)"
-            )
-
-    def _compactor(self) -> str:
-        if self.simulation.scene.method.stress_filter == "smoothing":
-            return "the smoothing filter lets sand creep under its weight (null-space does not)"
-        return "oscillations have compacted it (is there a noise control?)"
-
-    def _where(self, what: str) -> str:
+        """Run the checks of records, and now and then those of points."""
+        for check in self.of_records:
+            self._take(check.look(record))
+        self.count += 1
+        if self.count % (EVERY_PERIODS * self.simulation.rows_per_period):
+            return
         points = self.simulation.points()
-        measure = {
-            "densest": lambda: -points["void_ratio"],
-            "loosest": lambda: points["void_ratio"],
-            "fastest": lambda: np.hypot(*points["velocity"].T),
-        }[what]
-        index = int(np.argmax(measure()))
-        x, y = points["position"][index]
-        return f"x = {1e3 * x:.1f} mm, y = {1e3 * y:.1f} mm"
+        if len(points["mass"]):
+            for check in self.of_points:
+                self._take(check.look(record, points))
+
+    def _take(self, alarm) -> None:
+        if alarm is not None and self.simulation.alarms.take(alarm, self.simulation):
+            self.simulation.warnings.append(f"{alarm_sentence(self.simulation, alarm.name)}.")
+
+
+def alarm_sentence(simulation, name: str) -> str:
+    """Of an alarm that has been taken."""
+    sentence = simulation.alarms.found[name].sentence
+    return sentence[:1].upper() + sentence[1:]

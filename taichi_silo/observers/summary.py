@@ -91,24 +91,16 @@ class Summary(Observer):
         found["parts"] = [dataclasses.asdict(part) for part in parts(simulation.scene)]
         if simulation.warnings:
             found["warnings"] = simulation.warnings
+        if simulation.alarms.found:
+            found["alarms"] = simulation.alarms.state()
         if self.failure is not None:
             found["failure"] = self.failure
-        if not records.empty:
-            found |= self._forces(records)
-            found["certificate"] = certificate(records, self.after_filling, self._state(), simulation)
-        if self.after_filling is not None:
-            found["janssen"] = self._janssen(found["filling"])
-            angle, ratio = (found["janssen"][key] for key in ("wall_friction_angle_deg", "pressure_ratio_K0"))
-            found["theory"] = theory_of(simulation.scene, angle, ratio)
-            found["shear_zones"] = self._zones()
-            found["largest_wall_normal_stress_Pa"] = self._wall_stresses()
-            found |= self.profiles.overpressure() | self.profiles.largest_in_flow()
-        if self.before is not None:
+        for what, measure in self._measures(records, found):
             try:
-                found |= flow_findings(self.after_filling, self.before, self.mid or self._state(), simulation.scene)
+                found |= measure()
             except Exception as error:  # noqa: BLE001 - a measure that fails must not cost all others
-                why = f"Flow pattern, residence and shear zones could not be measured: {type(error).__name__}: {error}."
-                found["warnings"] = [*simulation.warnings, why]
+                why = f"The {what} could not be measured: {type(error).__name__}: {error}."
+                found["warnings"] = [*found.get("warnings", []), why]
         if simulation.ledger is not None:
             found["ledger"] = self._ledger()
         stepping, points = simulation.stepping_seconds, simulation.particles.count
@@ -123,6 +115,30 @@ class Summary(Observer):
         temporary = self.file.with_suffix(".part")
         temporary.write_text(json.dumps(_without_nan(found), indent=2) + "\n")
         temporary.replace(self.file)
+
+    def _measures(self, records: pd.DataFrame, found: dict):
+        """Name and function of each measure that the run has come far enough for; later ones use what is found."""
+        simulation = self.simulation
+        if not records.empty:
+            yield "forces", lambda: self._forces(records)
+            yield "certificate", lambda: {
+                "certificate": certificate(records, self.after_filling, self._state(), simulation)
+            }
+        if self.after_filling is not None:
+            yield "filling", lambda: {"janssen": self._janssen(found["filling"])}
+            yield "theory", lambda: {
+                "theory": theory_of(
+                    simulation.scene, found["janssen"]["wall_friction_angle_deg"], found["janssen"]["pressure_ratio_K0"]
+                )
+            }
+            yield "shear zones", lambda: {"shear_zones": self._zones()}
+            yield "wall stresses", lambda: {"largest_wall_normal_stress_Pa": self._wall_stresses()}
+            yield "overpressure", self.profiles.overpressure
+            yield "largest wall stresses", self.profiles.largest_in_flow
+        if self.before is not None:
+            yield "flow pattern", lambda: flow_findings(
+                self.after_filling, self.before, self.mid or self._state(), simulation.scene
+            )
 
     def _ledger(self) -> dict:
         """What has left, and whether the books close."""

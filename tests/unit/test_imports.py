@@ -17,7 +17,7 @@ LAYERS = [
     ["variant", "vessel", "sand", "symmetry", "record"],
     ["placing", "drawing"],
     ["scene"],
-    ["weaknesses", "settings", "fidelity", "column"],
+    ["weaknesses", "alarms", "settings", "fidelity", "column"],
     ["filling", "outflow", "ledger"],
     ["simulation", "state", "specimen", "sands"],
     ["trial"],
