@@ -16,7 +16,7 @@ LONGEST_SETTLING_PERIODS = 20  # at least
 SETTLED = 2e-4  # relative change of the wall force over two periods that counts as rest
 FIRST_STEP = 0.2  # of the stable step of unstressed sand: in the first interval the stress grows a thousandfold
 SECOND_STEP = 0.5  # of what the weight alone would allow: the first swing overshoots it
-LONGER = 1.5  # at most, a step against that of the interval before, while portions come: a swing stiffens the sand
+LONGER = 1.5  # at most, a step against that of the interval before, while layers come: their first swing stiffens them
 LANDING = 0.4  # of the stable step while rain falls: what lands is stiff at once
 LAYER_PERIODS = 1.0  # of the whole column, between two layers
 RISE_PERIODS = 60.0  # of the whole column, that rain takes
@@ -101,7 +101,7 @@ def rain(simulation, begun: int):
     yield from _portions(simulation, begun, number, pause, drop)
     falling = simulation.filling.intervals - len(rows) * _intervals(simulation, pause)  # since the last row began to
     for _ in range(falling, math.ceil(fall_time(simulation.scene) / simulation.interval)):
-        yield simulation.advance(simulation.interval, growth=LANDING, longer=LONGER)
+        yield simulation.advance(simulation.interval, growth=LANDING)
 
 
 def _intervals(simulation, pause: float) -> int:
@@ -120,7 +120,7 @@ def _portions(simulation, begun: int, number: np.ndarray, pause: float, above: f
         growth = LANDING if above else 1.0
         if interval == 0:
             growth = min(growth, first_step(simulation, 2.0 * thick))
-        yield simulation.advance(pause / intervals, growth=growth, longer=LONGER)
+        yield simulation.advance(pause / intervals, growth=growth, longer=math.inf if above else LONGER)
 
 
 def _pour(simulation, chosen: np.ndarray, above: float) -> None:
