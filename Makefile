@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper paper-check docs docs-serve test test-long bench parts lint clean
+.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper paper-check docs docs-serve test test-long bench parts endurance lint clean
 
 setup: $(READY)
 
@@ -70,6 +70,10 @@ bench: $(READY)
 # what each part of the method costs, and what it changes in P, T and N (some minutes)
 parts: $(READY)
 	$(BIN)/python -m benchmarks.parts
+
+# what long runs do: drift, memory, emptying and filling again (MINUTES of the paper's own speed, 30 if not given)
+endurance: $(READY)
+	$(BIN)/python -m benchmarks.endurance --minutes $(or $(MINUTES),30)
 
 lint: $(READY)
 	$(BIN)/ruff check .

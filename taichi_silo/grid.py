@@ -67,6 +67,12 @@ class Grid:
         self.stretch = ti.field(real, shape=copies)
         self.stretch.fill(1.0)
 
+    def forget_all(self) -> None:
+        """Stand as at the beginning."""
+        for sums in (self.mass, self.momentum, self.force, self.velocity, self.change, self.echo, self.memory):
+            sums.fill(0.0)
+        self.stretch.fill(1.0)
+
     def node_along(self, position_m: float) -> int:
         """Index, along its axis, of the node at a coordinate.
 

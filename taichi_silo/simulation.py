@@ -59,15 +59,8 @@ class Simulation:
         self.law = scene.law
         self.gravity = scene.method.gravity_m_per_s2 / scene.method.mass_scaling
         self.density = self.law.grain_density / (1.0 + scene.sand.void_ratio)  # inertial
-        self.time, self.displacement, self.stage = 0.0, 0.0, "filling"
-        self.settled = False  # whether the wall force had come to rest before the flow
-        self.finished = False  # whether the flow has come to its end
-        self.filling = filling.Progress()
-        self.flow_start, self.bottom_speed = None, 0.0  # [s], [m/s]
-        self.left_at = 0.0  # when sand last left, or could not yet [s]
-        self.step = math.inf  # of the last interval [s]
-        self.steps, self.stepping_seconds = 0, 0.0
-        self.after, self.seen = None, None  # last survey, and of which points
+        self.time, self.steps, self.stepping_seconds = 0.0, 0, 0.0
+        self._begin()
         per_axis = math.isqrt(scene.grid.points_per_cell)
         self.spacing = scene.grid.cell_size_m / per_axis
 
@@ -102,6 +95,27 @@ class Simulation:
             self.warnings.append(f"The processor's vector unit is not used: {why}. {slower}")
         self.ledger = None if scene.silo.sinks else Ledger(self.particles, -EXIT * scene.grid.cell_size_m)
         self.solver.advance(0, 1.0)  # compiles
+
+    def _begin(self) -> None:
+        """Nothing is filled in yet."""
+        self.displacement, self.stage = 0.0, "filling"
+        self.settled = False  # whether the wall force had come to rest before the flow
+        self.finished = False  # whether the flow has come to its end
+        self.filling = filling.Progress()
+        self.flow_start, self.bottom_speed = None, 0.0  # [s], [m/s]
+        self.left_at = self.time  # when sand last left, or could not yet [s]
+        self.step = math.inf  # of the last interval [s]
+        self.after, self.seen = None, None  # last survey, and of which points
+
+    def refill(self) -> None:
+        """Stand where the simulation stood before its first interval, with new sand and new books; clocks go on."""
+        self._begin()
+        load(self.particles, self.fill_state)
+        self.identity = np.arange(self.particles.count)
+        self.grid.forget_all()
+        self.use(self.control)
+        if self.ledger is not None:
+            self.ledger = Ledger(self.particles, self.ledger.exit)
 
     def use(self, control: NoiseControl) -> None:
         """From now on step with a solver of this noise control."""

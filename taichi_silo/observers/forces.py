@@ -4,6 +4,9 @@ import csv
 import os
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
+
 from taichi_silo.faults import BadInput
 from taichi_silo.observers import Observer
 
@@ -92,3 +95,20 @@ class Table(Observer):
     def end(self) -> None:
         """Close the file."""
         self.stream.close()
+
+
+NAMES = {"bottom_force_N_per_m": "bottom_N_per_m", "noise_control_force_N_per_m": "control_N_per_m"}
+
+
+def rows_of(folder: Path) -> pd.DataFrame:
+    """All records that the files of a run hold, in a record's own names, with N, T and the length of the interval.
+
+    A row that one of the files lacks, as when a disk was full, is left out.
+    """
+    forces, balance = (pd.read_csv(folder / name, encoding="utf-8") for name in ("forces.csv", "balance.csv"))
+    count = min(len(forces), len(balance))
+    rest = balance.columns.difference(forces.columns)
+    found = pd.concat([forces[:count], balance.loc[: count - 1, rest]], axis=1).rename(columns=NAMES)
+    for name in ("normal", "shear"):
+        found[f"{name}_N_per_m"] = 0.5 * (found[f"left_{name}_N_per_m"] + found[f"right_{name}_N_per_m"])
+    return found.assign(interval_s=np.diff(found["time_s"], prepend=0.0))

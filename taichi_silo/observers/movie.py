@@ -7,6 +7,7 @@ import numpy as np
 from taichi_silo.fields import FIELDS
 from taichi_silo.observers import Observer
 from taichi_silo.observers.film import Film
+from taichi_silo.observers.forces import rows_of
 from taichi_silo.observers.scenery import course_of, picture
 
 FLOW_FRAMES, FILLING_FRAMES = 405, 45  # 15 s
@@ -23,27 +24,25 @@ class Movie(Observer):
         self.simulation, scene = simulation, simulation.scene
         settling = 10.0 * simulation.period  # an estimate; a longer rest adds no frames
         self.filling_span = simulation.filling_time + settling
-        self.drawn, self.curves = {"filling": 0, "flow": 0}, []
+        self.drawn = {"filling": 0, "flow": 0}
         self.course = course_of(scene)
         self.film = Film(self.file, picture(scene, FIELDS["void_ratio"].scaled(scene, np.zeros(0))))
 
     def state(self) -> dict:
-        """The curves, how many frames are drawn, and the pieces of film that hold them."""
-        return {"curves": np.array(self.curves), "drawn": self.drawn, "pieces": self.film.segments.cut()}
+        """How many frames are drawn, and the pieces of film that hold them."""
+        return {"drawn": self.drawn, "pieces": self.film.segments.cut()}
 
     def restore(self, simulation, kept: dict) -> None:
-        """Draw the curves once more, and go on after the pieces."""
+        """Draw the curves once more, from the rows that are written, and go on after the pieces."""
         self.begin(simulation)
-        self.drawn, self.curves = kept["drawn"], kept["curves"].tolist()
-        for row in self.curves:
-            self.film.add_forces(*row)
+        self.drawn = kept["drawn"]
+        for row in rows_of(self.file.parent).itertuples():
+            self._extend(row)
         self.film.segments.go_on(kept["pieces"])
 
     def observe(self, record) -> None:
         """Extend the curves, and draw when a frame is due."""
-        progress = self._progress(record)
-        self.curves.append((progress, record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m))
-        self.film.add_forces(*self.curves[-1])
+        progress = self._extend(record)
         flowing = record.stage == "flow"
         frames = FLOW_FRAMES if flowing else FILLING_FRAMES
         part = progress / self.course.end if flowing else record.time_s / self.filling_span
@@ -56,6 +55,12 @@ class Movie(Observer):
                     displacement_m=progress,
                 )  # fmt: skip
             self.drawn[record.stage] = due
+
+    def _extend(self, record) -> float:
+        """Extend the curves to a record; returns its place on the course."""
+        progress = self._progress(record)
+        self.film.add_forces(progress, record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
+        return progress
 
     def _progress(self, record) -> float:
         """Place on the course: the displacement, or of free outflow the time since the gate opened."""

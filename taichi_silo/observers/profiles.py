@@ -15,6 +15,7 @@ from taichi_silo.simulation import BODIES
 
 SIDES = ((LEFT, 1.0), (RIGHT, -1.0))  # and the sign that makes their normal forces positive
 BLOCK_PERIODS = 5  # of the column, whose mean makes a flow profile
+MOST_BLOCKS = 64  # that are kept at a time; of more, those in which a wall stress was largest
 BLOCK = ("sunk", "displacement", "profile")  # what is kept of a block
 
 
@@ -31,7 +32,7 @@ class WallProfiles(Observer):
         self.full = BLOCK_PERIODS * self.period
         self.states: dict[str, tuple[float, float, np.ndarray]] = {}  # state: how far the grid sank, u, profile
         self.block, self.fresh, self.largest = [], 0, 0.0  # the last records, and how many of them no block has
-        self.history = []  # time, displacement and profile of each block of flow
+        self.history = []  # time, displacement and profile of blocks of flow
 
     def state(self) -> dict:
         """Finished blocks, and as many of the last records as a mean may need."""
@@ -72,6 +73,9 @@ class WallProfiles(Observer):
         if normal > self.largest:
             self.largest, self.states["maximum"] = normal, here
         self.fresh = 0
+        if len(self.history) > MOST_BLOCKS:  # so that a long run needs no more memory than a short one
+            told = {found["time_s"] for found in (self.overpressure() | self.largest_in_flow()).values()}
+            self.history = [block for block in self.history if block[0] in told]
 
     def _mean(self, count: int) -> tuple[tuple, float]:
         """Over the last records: sunk, displacement and profile; and the normal force."""

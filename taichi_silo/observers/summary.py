@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import time
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +16,9 @@ from taichi_silo.measure.matching import matched
 from taichi_silo.measure.shear_zones import interior_zone_count, wall_zone_thickness_m
 from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
 from taichi_silo.observers import Observer
+from taichi_silo.observers.forces import rows_of
 from taichi_silo.observers.profiles import WallProfiles
 from taichi_silo.parts import parts
-from taichi_silo.record import NUMBERS, packed, unpacked
 from taichi_silo.theory.janssen import pressure_ratio_from_normal_force
 from taichi_silo.theory.of_scene import janssen_of, theory_of
 
@@ -31,7 +32,8 @@ PROFILE_BAND = (0.2, 0.8)  # of the height: where the pressure ratio is measured
 class Summary(Observer):
     """Keeps what the certificate needs, and writes the file when the run ends, also when it failed.
 
-    `profiles` is the observer that has written walls.csv by then.
+    The force histories are read from their files, so that a long run needs no more memory than a short one; `profiles`
+    is the observer that has written walls.csv by then.
     """
 
     def __init__(self, file: Path, profiles: WallProfiles):
@@ -39,24 +41,23 @@ class Summary(Observer):
 
     def begin(self, simulation) -> None:
         """Start the clock."""
-        self.simulation, self.records, self.after_filling = simulation, [], None
+        self.simulation, self.after_filling = simulation, None
         self.started, self.before, self.mid = time.monotonic(), None, None
 
     def state(self) -> dict:
         """All but the simulation."""
         states = {name: getattr(self, name) for name in STATES}
-        return states | {"records": packed(self.records), "seconds": time.monotonic() - self.started}
+        return states | {"seconds": time.monotonic() - self.started}
 
     def restore(self, simulation, kept: dict) -> None:
         """As it was."""
-        self.simulation, self.records = simulation, unpacked(kept["records"])
+        self.simulation = simulation
         self.started = time.monotonic() - kept["seconds"]
         for name in STATES:
             setattr(self, name, kept[name])
 
     def observe(self, record) -> None:
-        """Keep the record, less its profile."""
-        self.records.append(dataclasses.replace(record, profile=None))
+        """Keep the states between which the flow is measured."""
         if record.stage == "flow" and self.mid is None:
             part = self._part(record)
             if self.before is None and part >= MEASURED[0]:
@@ -86,7 +87,6 @@ class Summary(Observer):
     def end(self) -> None:
         """Write the file."""
         simulation, seconds = self.simulation, time.monotonic() - self.started
-        records = pd.DataFrame([{name: getattr(one, name) for name in COLUMNS} for one in self.records])
         found = {"finished": self.failure is None, "averaging": simulation.about_averaging}
         found["parts"] = [dataclasses.asdict(part) for part in parts(simulation.scene)]
         if simulation.warnings:
@@ -95,7 +95,7 @@ class Summary(Observer):
             found["alarms"] = simulation.alarms.state()
         if self.failure is not None:
             found["failure"] = self.failure
-        for what, measure in self._measures(records, found):
+        for what, measure in self._measures(found):
             try:
                 found |= measure()
             except Exception as error:  # noqa: BLE001 - a measure that fails must not cost all others
@@ -116,13 +116,14 @@ class Summary(Observer):
         temporary.write_text(json.dumps(_without_nan(found), indent=2) + "\n")
         temporary.replace(self.file)
 
-    def _measures(self, records: pd.DataFrame, found: dict):
+    def _measures(self, found: dict):
         """Name and function of each measure that the run has come far enough for; later ones use what is found."""
-        simulation = self.simulation
-        if not records.empty:
-            yield "forces", lambda: self._forces(records)
+        simulation, folder = self.simulation, self.file.parent
+        if simulation.steps:
+            records = cache(lambda: rows_of(folder))
+            yield "forces", lambda: self._forces(records())
             yield "certificate", lambda: {
-                "certificate": certificate(records, self.after_filling, self._state(), simulation)
+                "certificate": certificate(records(), self.after_filling, self._state(), simulation)
             }
         if self.after_filling is not None:
             yield "filling", lambda: {"janssen": self._janssen(found["filling"])}
@@ -244,7 +245,6 @@ class Summary(Observer):
         return found
 
 
-COLUMNS = (*NUMBERS, "normal_N_per_m", "shear_N_per_m", "wall_friction_angle_deg", "residual_N_per_m")
 STATES = ("after_filling", "before", "mid")
 NAMES = ("bottom_N_per_m", "normal_N_per_m", "shear_N_per_m", "wall_friction_angle_deg")
 
