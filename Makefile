@@ -4,9 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-LOCKING := build/locking
-
-.PHONY: setup lock audit trust silo four-cases noise element-tests study-biaxial stability chart paper paper-check docs docs-serve test test-long bench parts lint clean
+.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper paper-check docs docs-serve test test-long bench parts lint clean
 
 setup: $(READY)
 
@@ -17,6 +15,9 @@ $(READY): pyproject.toml requirements.lock
 	$(BIN)/python -m pip uninstall -qq --yes setuptools
 	$(BIN)/python -m pip install -qq --no-deps --no-build-isolation --editable .
 	cp requirements.lock $(READY)
+
+LOCKING := build/locking
+.PHONY: lock audit trust
 
 # requirements.lock anew from pyproject.toml; versions stay if they can (`make lock RENEW=--upgrade`: the newest ones)
 lock:
