@@ -8,11 +8,31 @@ READY := $(VENV)/.ready
 
 setup: $(READY)
 
-$(READY): pyproject.toml
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install -qq --upgrade pip
-	$(BIN)/python -m pip install -qq --editable ".[dev]"
-	touch $(READY)
+# exactly what requirements.lock names, each file of it by its hash, and nothing else; $(READY) says from which lock
+$(READY): pyproject.toml requirements.lock
+	$(PYTHON) -m venv --clear $(VENV)
+	$(BIN)/python -m pip install -qq --require-hashes --only-binary :all: -r requirements.lock
+	$(BIN)/python -m pip uninstall -qq --yes setuptools
+	$(BIN)/python -m pip install -qq --no-deps --no-build-isolation --editable .
+	cp requirements.lock $(READY)
+
+LOCKING := build/locking
+.PHONY: lock audit trust
+
+# requirements.lock anew from pyproject.toml; versions stay if they can (`make lock RENEW=--upgrade`: the newest ones)
+lock:
+	$(PYTHON) -m venv $(LOCKING)
+	$(LOCKING)/bin/python -m pip install -qq "uv>=0.9,<1"
+	$(LOCKING)/bin/uv pip compile -q pyproject.toml --all-extras --no-emit-package taichi-silo --universal \
+		--python-version 3.11.5 --generate-hashes --no-annotate --no-emit-index-url \
+		--custom-compile-command "make lock" $(RENEW) --output-file requirements.lock
+	$(LOCKING)/bin/uv pip compile -q requirements.lock --no-deps --universal --python-version 3.11.5 \
+		--output-file $(LOCKING)/pylock.toml
+	$(LOCKING)/bin/python -m checks.released $(LOCKING)/pylock.toml
+
+# licences, known weaknesses, origin and age of everything that requirements.lock names
+audit: $(READY)
+	$(BIN)/python -m checks.audit
 
 # dense sand between very rough walls: film, force curves, figures (some minutes)
 silo: $(READY)
@@ -63,6 +83,10 @@ test: $(READY)
 
 test-long: $(READY)
 	$(BIN)/python -m pytest -m long
+
+# the table of what has been tried (docs/validation/trust.md), from the tests that count it (half an hour)
+trust: $(READY)
+	$(BIN)/python -m pytest -m "" -p tests.trust_table --trust-table docs/data/trust.csv
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks.bench

@@ -45,8 +45,8 @@ def rendered(template: str) -> str:
     """
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=False, keep_trailing_newline=True)
     environment.globals.update(
-        table=table, number=number, count=count, pivot=pivot, figure=figure, statements=statements,
-        verdicts=verdicts, fidelities=fidelities, command=command,
+        table=table, number=number, count=count, total=total, values=values, pivot=pivot, figure=figure,
+        statements=statements, verdicts=verdicts, fidelities=fidelities, command=command,
     )  # fmt: skip
     return environment.from_string(template).render()
 
@@ -81,6 +81,16 @@ def number(name: str, column: str, decimals: int | None = None, factor: float = 
 def count(name: str, **where) -> int:
     """How many rows a file has with these values."""
     return len(chosen(read(name), where))
+
+
+def total(name: str, column: str, **where) -> int:
+    """Sum of the whole numbers that a file has in a column, in the rows with these values."""
+    return sum(map(int, chosen(read(name), where)[column]))
+
+
+def values(name: str, column: str) -> list[str]:
+    """What stands in a column, each once, in its order."""
+    return list(dict.fromkeys(read(name)[column]))
 
 
 def pivot(name: str, rows: str, columns: str, value: str, unit: str, miss: str, **where) -> str:

@@ -57,3 +57,26 @@ def test_what_the_results_do_not_have_is_an_error():
         results.table("bench.csv", {"a": "points"}, phase="dreaming")
     with pytest.raises(ValueError, match="must be one"):
         results.number("bench.csv", "points", phase="step")
+
+
+def test_everything_that_was_tried_is_on_the_page_of_trust():
+    rows = results.read("trust.csv")
+    assert list(rows.columns) == ["group", "what", "tests", "count"]
+    assert not rows.duplicated(["group", "what"]).any()
+    page = rendered((DOCS / "validation" / "trust.md").read_text(encoding="utf-8"))
+    for group, mine in rows.groupby("group"):
+        assert f"## {group.capitalize()}\n" in page
+        assert f"**{mine['count'].astype(int).sum()}** in all" in page
+        for row in mine.itertuples():
+            assert f"| {row.what} | {row.tests} | {row.count} |" in page
+            assert int(row.count) >= 1 <= int(row.tests)
+
+
+def test_groups_and_rows_that_are_new_come_onto_the_page_of_trust(tmp_path, monkeypatch):
+    tried = "# make trust\ngroup,what,tests,count\nmoons landed on,a dark one,2,7\n"
+    (tmp_path / "trust.csv").write_text(tried, encoding="utf-8")
+    page = (DOCS / "validation" / "trust.md").read_text(encoding="utf-8")
+    monkeypatch.setattr(results, "DATA", tmp_path)
+    shown = rendered(page)
+    assert "## Moons landed on\n" in shown and "| a dark one | 2 | 7 |" in shown and "**7** in all" in shown
+    assert "faults survived" not in shown.lower()

@@ -99,14 +99,16 @@ def lead(client, program, folder: Path, *names: str, ended=None) -> tuple[dict[s
     return runs, ends
 
 
-def test_a_crash_is_tried_again_and_a_run_that_says_no_is_not(client, program, tmp_path):
+def test_a_crash_is_tried_again_and_a_run_that_says_no_is_not(client, program, tmp_path, tried):
     runs, ends = lead(client, program, tmp_path, "fails", "recovers", "crashes", "works")
     assert ends.pop("crashes").startswith("its process was ended by SIG") and runs["crashes"].tries == 2
     assert ends == {"fails": "the silo is empty", "recovers": "", "works": ""}
     assert {name: runs[name].tries for name in ends} == {"fails": 1, "recovers": 2, "works": 1}
+    tried("faults survived", "run of a sweep killed", 3)
+    tried("faults survived", "run of a sweep that fails")
 
 
-def test_ctrl_c_lets_a_run_put_its_files_in_order_and_begins_no_other(client, program, tmp_path):
+def test_ctrl_c_lets_a_run_put_its_files_in_order_and_begins_no_other(client, program, tmp_path, tried):
     def ended(name, trouble):
         raise KeyboardInterrupt
 
@@ -115,20 +117,23 @@ def test_ctrl_c_lets_a_run_put_its_files_in_order_and_begins_no_other(client, pr
     assert Fake(tmp_path / "works").finished and not Fake(tmp_path / "works-too").finished
     assert Fake(tmp_path / "waits").tries == 0 or (tmp_path / "waits.kept").exists()
     assert lead(client, program, tmp_path, "works-too")[1] == {"works-too": ""}, "the worker is free for another sweep"
+    tried("faults survived", "sweep stopped by Ctrl-C")
 
 
-def test_any_scheduler_does_that_answers(client, program, tmp_path, monkeypatch):
+def test_any_scheduler_does_that_answers(client, program, tmp_path, monkeypatch, tried):
     with client_of(Scheduler(address=client.scheduler.address), tmp_path, 1, 1) as other:
         assert lead(other, program, tmp_path, "works")[1] == {"works": ""}
     assert client.scheduler_info()["workers"], "it is left alone"
     monkeypatch.setattr(clusters, "ANSWER_S", 0.5)
     with pytest.raises(BadInput, match="scheduler is tcp://127.0.0.1:9; no scheduler of dask answers there"):
         client_of(Scheduler(address="tcp://127.0.0.1:9"), tmp_path, 1, 1).__enter__()
+    tried("faults survived", "scheduler of a sweep that does not answer")
 
 
-def test_a_worker_that_does_not_see_the_output_says_so(client, program, tmp_path):
+def test_a_worker_that_does_not_see_the_output_says_so(client, program, tmp_path, tried):
     _, ends = lead(client, program, tmp_path / "elsewhere", "works")
     assert "must be on a file system that all workers share" in ends["works"]
+    tried("faults survived", "worker of a sweep without the output folder")
 
 
 def test_nobody_outside_of_this_machine_reaches_the_workers(client):
@@ -144,7 +149,7 @@ class Interrupter(Observer):
             os.kill(os.getpid(), signal.SIGINT)
 
 
-def test_a_run_that_was_left_goes_on_and_one_whose_checkpoints_are_damaged_begins_again(tmp_path):
+def test_a_run_that_was_left_goes_on_and_one_whose_checkpoints_are_damaged_begins_again(tmp_path, tried):
     scene = Scene.model_validate(COARSE | {"machine": {"lanes": False, "threads": 1}})
     run = Run(scene, tmp_path / "run")
     with pytest.raises(Stopped):
@@ -165,14 +170,16 @@ def test_a_run_that_was_left_goes_on_and_one_whose_checkpoints_are_damaged_begin
         file.write_bytes(b"nothing")
     attempt(run)
     assert run.finished and resumed() == 0
+    tried("faults survived", "run of a sweep left midway, its checkpoints whole or damaged", 2)
 
 
-def test_two_sweeps_do_not_share_an_output(tmp_path):
+def test_two_sweeps_do_not_share_an_output(tmp_path, tried):
     one = study(tmp_path)
     tmp_path.mkdir(exist_ok=True)
     with alone(tmp_path / ".sweep", 0.0, ""), pytest.raises(BadInput, match="is in use by another sweep"):
         one.run()
     assert not (tmp_path / ".sweep").exists() and not (tmp_path / TABLE).exists()
+    tried("faults survived", "two sweeps in one folder")
 
 
 def study(folder: Path) -> Study:
@@ -180,7 +187,7 @@ def study(folder: Path) -> Study:
     return Study(of_tables(tables, Path()), folder, Voice(quiet=True))
 
 
-def test_a_worker_killed_midway_costs_no_run_and_nothing_is_run_twice_without_need(tmp_path, monkeypatch):
+def test_a_worker_killed_midway_costs_no_run_and_nothing_is_run_twice_without_need(tmp_path, monkeypatch, tried):
     begun, killed, hear = Counter(), [], Told.heard
 
     def heard(self, name, part, pid):
@@ -201,3 +208,4 @@ def test_a_worker_killed_midway_costs_no_run_and_nothing_is_run_twice_without_ne
     assert {file.name for file in (tmp_path / "figures").iterdir()} == {"response.png", "forces.png"}
     assert not list(tmp_path.glob("*/.running"))
     assert set(study(tmp_path).missing) == set(one.failures), "what is finished is kept"
+    tried("faults survived", "worker of a sweep killed")

@@ -102,18 +102,22 @@ JUST_TOUCHED = Scene(
     machine=Machine(threads=1),
 )
 
-SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large]  # but not "filters out too much"
+# but not "filters out too much"; what is tried is counted over all examples
+SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.function_scoped_fixture]
+TRIED = "loads held", "random scene, 200 steps: mass, balance and limits kept"
 
 
 @settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=SLOW)
 @given(scenes())
 @example(JUST_TOUCHED)
-def test_random_scenes_keep_mass_balance_and_limits(scene):
+def test_random_scenes_keep_mass_balance_and_limits(tried, scene):
     holds(scene)
+    tried(*TRIED)
 
 
 @pytest.mark.long
 @settings(max_examples=150, deadline=None, suppress_health_check=SLOW)
 @given(scenes())
-def test_many_random_scenes_do(scene):
+def test_many_random_scenes_do(tried, scene):
     holds(scene)
+    tried(*TRIED)

@@ -139,7 +139,9 @@ def assert_same(one, other, but=()):
 
 
 @pytest.mark.parametrize(("name", "threads", "lanes"), CASES)
-def test_a_run_that_was_killed_becomes_the_run_that_was_not(name, threads, lanes, tmp_path, monkeypatch, request):
+def test_a_run_that_was_killed_becomes_the_run_that_was_not(
+    name, threads, lanes, tmp_path, monkeypatch, request, tried
+):
     if threads > 1:
         request.getfixturevalue("all_cores")
     one, moments = SCENES[name]
@@ -148,6 +150,7 @@ def test_a_run_that_was_killed_becomes_the_run_that_was_not(name, threads, lanes
         assert (copy / "forces.csv").stat().st_size <= (tmp_path / "whole" / "forces.csv").stat().st_size
         resume(copy)
         assert_same(copy, tmp_path / "whole")
+        tried("faults survived", f"run killed, goes on bit by bit the same on {threads} thread{'s' * (threads > 1)}")
 
 
 class Presser(Observer):
@@ -172,7 +175,7 @@ def frames(file):
     return times, np.frombuffer(raw, np.uint8).reshape(-1, 135, 240).astype(int)
 
 
-def test_the_film_of_a_run_that_was_stopped_and_killed_has_every_frame_once(tmp_path, monkeypatch):
+def test_the_film_of_a_run_that_was_stopped_and_killed_has_every_frame_once(tmp_path, monkeypatch, tried):
     monkeypatch.setattr(movie, "FILLING_FRAMES", 10)
     monkeypatch.setattr(movie, "FLOW_FRAMES", 10)
     one = scene()
@@ -193,3 +196,4 @@ def test_the_film_of_a_run_that_was_stopped_and_killed_has_every_frame_once(tmp_
         assert np.abs(seen - pictures).mean(axis=(1, 2)).max() < 1.0
     moved = np.abs(np.diff(pictures, axis=0)).mean(axis=(1, 2))
     assert moved.min() > 0.0, "no picture is that of its neighbour, so that an exchange would be seen"
+    tried("faults survived", "film of a run killed or stopped, every frame once", 2)

@@ -36,7 +36,7 @@ def test_it_holds_every_module_and_every_scenario(wheel):
 def test_it_holds_nothing_else(wheel):
     kinds = {Path(name).suffix for name in wheel.namelist()}
     assert kinds <= {".py", ".toml", ".typed", ".j2", ".css", ".js", ".txt", "", ".svg"}, kinds
-    assert not [name for name in wheel.namelist() if name.startswith(("tests", "outputs", "benchmarks"))]
+    assert not [name for name in wheel.namelist() if name.startswith(("tests", "outputs", "benchmarks", "checks"))]
 
 
 def test_it_brings_the_command_and_light_dependencies(wheel):

@@ -1,0 +1,1 @@
+"""What this project is built on: checked against its lock."""
