@@ -18,6 +18,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.figure import draw
+from benchmarks.guard import cost as cost_of_guard
 from benchmarks.roofline import ceilings
 from benchmarks.yardstick import Yardstick
 from taichi_silo import Flow, Mesh, Scene, Silo, Simulation, Walls, runtime
@@ -121,6 +122,17 @@ def whole_run(film: bool, yardstick: Yardstick | None) -> dict:
     theirs = yardstick.rate(1, what.points) if yardstick else None
     phase = "whole run with film" if film else "whole run"
     return row((what.points, 1, 1), phase, summary["wall_seconds"] / summary["steps"], theirs)
+
+
+def alarms(points: int) -> dict:
+    """The guard that looks for wrongness, beside everything else that a step takes."""
+    simulation = loaded(points, 1, 1)
+    found = cost_of_guard(simulation)
+    print(
+        f"{simulation.scene.points:9,d} points: the guard takes {found['guard']:.2%} of a run's stepping, the survey "
+        f"that it and the choice of the step look at {found['survey']:.2%}", flush=True,
+    )  # fmt: skip
+    return row((simulation.scene.points, 1, 1), "guard", found["guard"] * found["seconds"] / found["steps"], None)
 
 
 def averages(points: int) -> list[dict]:
@@ -228,6 +240,7 @@ def main() -> None:
     for film in (False, True):
         rows.append(whole_run(film, yardstick))
         say(rows[-1:])
+    rows += [alarms(points) for points in (1_000, 4_000, 16_000, 64_000)]
     rows += (added := averages(16_000))
     say(added)
     rows += sizes(1)

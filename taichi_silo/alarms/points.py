@@ -6,6 +6,7 @@ import shapely
 from taichi_silo.alarms.alarm import Alarm
 from taichi_silo.alarms.records import Check
 from taichi_silo.measure.certificate import SURFACE, inertial_number, unexplained_densification
+from taichi_silo.measure.deformation import Rings
 from taichi_silo.measure.matching import matched
 
 OUTSIDE = 0.5  # of a cell that the middle of a point may be beyond a wall
@@ -67,7 +68,7 @@ class _SinceFilling(Check):
     def begin(self, simulation) -> None:
         """Nothing is filled yet."""
         super().begin(simulation)
-        self.earlier = None
+        self.earlier, self.rings = None, None
 
     def filled(self, points) -> None:
         """Keep the state that the flow starts from."""
@@ -90,8 +91,11 @@ class Ratcheting(_SinceFilling):
         """Compare the sand that has not been sheared with its state after filling."""
         if self.earlier is None or self._free:  # sand that falls is not at rest, and lands as it can
             return None
+        earlier = matched(self.earlier, points)
+        if self.rings is None or len(self.rings.index) != len(points["mass"]):  # else it is the same sand as before
+            self.rings = Rings(earlier["position"])
         scene = self.simulation.scene
-        lost, where = unexplained_densification(matched(self.earlier, points), points, scene)
+        lost, where = unexplained_densification(earlier, points, scene, self.rings)
         if not lost > MOST_LOST:
             return None
         cure = "switch the noise control on"

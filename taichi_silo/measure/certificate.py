@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from taichi_silo.measure.deformation import net_shear
+from taichi_silo.measure.deformation import Rings
 from taichi_silo.measure.matching import matched
 
 SURFACE = 0.9  # of the fill height; above, the mean stress is a few pascals and the law is not calibrated
@@ -103,16 +103,18 @@ def inertial_number(path: np.ndarray, seconds: float, stress: np.ndarray, scene)
     return rate * scene.sand.d50_m * np.sqrt(scene.sand.grain_density_kg_per_m3 / pressure)
 
 
-def _unsheared(filled: dict, now: dict, below: np.ndarray) -> np.ndarray:
-    return below & (net_shear(filled["position"], now["position"]) < UNSHEARED)
+def _unsheared(filled: dict, now: dict, below: np.ndarray, rings: Rings | None = None) -> np.ndarray:
+    rings = rings or Rings(filled["position"])
+    return below & (rings.net_shear(now["position"]) < UNSHEARED)
 
 
-def unexplained_densification(filled: dict, now: dict, scene) -> tuple[float, int]:
+def unexplained_densification(filled: dict, now: dict, scene, rings: Rings | None = None) -> tuple[float, int]:
     """Mean loss of void ratio of the sand that has not been sheared since `filled`, and the point that lost most.
 
-    Both are states of the points (`Simulation.points`). Nothing is lost where all sand has been sheared.
+    Both are states of the points (`Simulation.points`), `rings` those of the first, if they are there. Nothing is lost
+    where all sand has been sheared.
     """
-    still = _unsheared(filled, now, filled["position"][:, 1] < SURFACE * scene.silo.height_m)
+    still = _unsheared(filled, now, filled["position"][:, 1] < SURFACE * scene.silo.height_m, rings)
     if not still.any():
         return 0.0, 0
     loss = np.where(still, filled["void_ratio"] - now["void_ratio"], -np.inf)
