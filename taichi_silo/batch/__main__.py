@@ -5,7 +5,7 @@ import sys
 from taichi_silo.batch.attempt import attempt
 from taichi_silo.batch.runs import Run
 from taichi_silo.child import SAID_NO, STOPPED, given
-from taichi_silo.faults import BadInput, RunFailed
+from taichi_silo.faults import BadInput, RunFailed, of_machine
 from taichi_silo.observers import Observer
 
 SAID_EVERY = 0.01  # of the run
@@ -36,6 +36,9 @@ def main() -> None:
         attempt(run, (Part(steps),) if steps else ())
     except (BadInput, RunFailed) as error:
         print(error, file=sys.stderr)
+        sys.exit(SAID_NO)
+    except (OSError, MemoryError) as error:
+        print("{}; {}".format(*of_machine(error)), file=sys.stderr)
         sys.exit(SAID_NO)
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)

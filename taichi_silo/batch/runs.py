@@ -9,7 +9,7 @@ from pathlib import Path
 
 from taichi_silo.cost import START_S, Cost, at_pace, rehearse
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE, claim, finished, parameters
+from taichi_silo.folder import MADE, claim, finished, parameters, program
 from taichi_silo.processes import Processes, Task
 from taichi_silo.scene import Scene
 from taichi_silo.scene_file import read_scene
@@ -40,7 +40,8 @@ class Run:
     def finished(self) -> bool:
         """Whether it is there, with all that belongs to it."""
         done = self.summary.get("finished", False) and finished(self.folder)
-        return done and (not self.film or (self.folder / "void_ratio.mp4").exists())
+        drawn = (self.folder / "void_ratio.mp4").exists() or program(self.folder).get("film") == "ended early"
+        return done and (not self.film or drawn)
 
     @property
     def begun(self) -> bool:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from taichi_silo import durable
 from taichi_silo.compare import differences as tables
 from taichi_silo.compare.deviation import deviations
 from taichi_silo.compare.figures import draw
@@ -94,9 +95,8 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, paper: bool, c
 
 def _write(table: pd.DataFrame, file: Path) -> Path:
     """A table in one piece or not at all."""
-    temporary = file.with_name(file.name + ".part")
-    table.to_csv(temporary, index=False, encoding="utf-8")
-    temporary.replace(file)
+    with durable.written(file) as passing:
+        table.to_csv(passing, index=False, encoding="utf-8")
     return file
 
 
