@@ -81,15 +81,12 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, paper: bool, c
     left = {"compare.csv": found.differences, "janssen.csv": found.janssen, "deviation.csv": found.deviations}
     if paper:
         left["paper.csv"] = pd.concat([one.rows for one in found.paper])
-    try:
-        for name in PRODUCTS:
-            (output / name).unlink(missing_ok=True)
-        for name, table in left.items():
-            if table is not None:
-                found.files.append(_write(table, output / name))
-        found.files.extend(draw(runs, measured, janssen, output))
-    except OSError as error:
-        raise BadInput(f"output {output} cannot be written: {error.strerror or error}") from error
+    for name in PRODUCTS:
+        (output / name).unlink(missing_ok=True)
+    for name, table in left.items():
+        if table is not None:
+            found.files.append(_write(table, output / name))
+    found.files.extend(draw(runs, measured, janssen, output))
     return found
 
 
