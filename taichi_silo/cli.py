@@ -53,12 +53,14 @@ def serve(app: typer.Typer, name: str) -> None:
         _stop(str(error), BAD_INPUT)
     except MachineFailed as error:
         _stop(str(error), FAILED)
-    except (OSError, MemoryError) as error:
-        _stop("{}; {}, and give the command again".format(*of_machine(error)), FAILED)
     except RunFailed as error:
         _stop(f"the run went wrong {error}; everything up to then is kept", FAILED)
     except KeyboardInterrupt:
         _stop("stopped; everything up to then is kept", STOPPED)
+    except Exception as error:
+        if of_machine(error) is None:
+            raise
+        _stop("{}; {}, and give the command again".format(*of_machine(error)), FAILED)
 
 
 def _stopping(function: Callable) -> Callable:

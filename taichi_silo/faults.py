@@ -15,6 +15,7 @@ REMEDIES = {
     errno.ENOMEM: "leave it more memory",
     errno.EMFILE: "let the process open more files",
 }
+MEMORY_WORDS = ("out of memory", "bad_alloc", "failed to map segment", "cannot allocate memory")  # of libraries
 NO_MEMORY = ("memory has run out", "leave it more memory, or give it larger cells")
 
 
@@ -51,10 +52,12 @@ def of_file(error: OSError, file: Path) -> OSError:
     return OSError(error.errno, error.strerror or os.strerror(error.errno), str(file))
 
 
-def of_machine(error: OSError | MemoryError) -> tuple[str, str]:
-    """What the machine could not do, and what to do about that."""
-    if isinstance(error, MemoryError):
+def of_machine(error: BaseException) -> tuple[str, str] | None:
+    """What the machine could not do, and what to do about that; None of errors that it is not to blame for."""
+    if isinstance(error, MemoryError) or any(words in str(error).lower() for words in MEMORY_WORDS):
         return NO_MEMORY
+    if not isinstance(error, OSError):
+        return None
     where = "a file" if error.filename is None else error.filename
     words = f"{where} cannot be written: {error.strerror or error}"
     return words, REMEDIES.get(error.errno, "see to that")

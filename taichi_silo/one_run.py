@@ -187,7 +187,7 @@ class _Session:
 
     def _in_words(self, error: BaseException) -> BaseException:
         """The error; of the machine, one that says when, what, and what to do."""
-        if not isinstance(error, OSError | MemoryError):
+        if of_machine(error) is None:
             return error
         what, remedy = of_machine(error)
         further = f"`{run_folder.go_on(self.folder)}` goes on from its last checkpoint"

@@ -37,12 +37,14 @@ def main() -> None:
     except (BadInput, RunFailed) as error:
         print(error, file=sys.stderr)
         sys.exit(SAID_NO)
-    except (OSError, MemoryError) as error:
-        print("{}; {}".format(*of_machine(error)), file=sys.stderr)
-        sys.exit(SAID_NO)
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         sys.exit(STOPPED)
+    except Exception as error:
+        if of_machine(error) is None:
+            raise
+        print("{}; {}".format(*of_machine(error)), file=sys.stderr)
+        sys.exit(SAID_NO)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from taichi_silo import memory
 from taichi_silo.cost import START_S, Cost, at_pace, rehearse
 from taichi_silo.faults import BadInput
 from taichi_silo.folder import MADE, claim, finished, parameters, program
@@ -80,7 +81,7 @@ def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
     Raises
     ------
     BadInput
-        if a processor cannot be used.
+        if a processor cannot be used, or the memory does not suffice.
 
     """
     paces, found = {}, {}
@@ -93,6 +94,7 @@ def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
     for name in sorted(missing, key=lambda name: runs[name].scene.points):
         scene = runs[name].scene
         if _formulas(scene) not in paces:
+            memory.check(scene)
             scene.machine.start()
             paces[_formulas(scene)] = [rehearse(Simulation(scene)) / scene.points]
         found[name] = at_pace(scene, statistics.median(paces[_formulas(scene)]))

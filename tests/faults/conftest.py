@@ -11,7 +11,7 @@ from tests.faults.tiny import SCENE
 
 @pytest.fixture(scope="module")
 def quick():
-    """All runs of the tiny scene step with one simulation, put back to its start, which is compiled once; no figures."""
+    """Runs of the tiny scene step with one simulation, put back to its start, which is compiled once; no figures."""
     made = []
 
     def simulation(scene):
