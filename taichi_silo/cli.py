@@ -12,7 +12,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from taichi_silo.faults import BadInput, RunFailed, Stopped
+from taichi_silo.faults import BadInput, MachineFailed, RunFailed, Stopped, of_machine
 from taichi_silo.table import one_sentence
 from taichi_silo.voice import Voice
 
@@ -20,7 +20,7 @@ BAD_INPUT, FAILED, STOPPED = 2, 1, 130
 
 
 def command(function: Callable) -> None:
-    """Run a function as a command line: bad input ends with exit code 2, a failed run with 1.
+    """Run a function as a command line: bad input ends with exit code 2, a failed run or machine with 1.
 
     The function's parameters, typer options, are the flags; an unknown flag is refused with the nearest known one.
     """
@@ -51,10 +51,16 @@ def serve(app: typer.Typer, name: str) -> None:
         _stop(one_sentence(error), BAD_INPUT)
     except BadInput as error:
         _stop(str(error), BAD_INPUT)
+    except MachineFailed as error:
+        _stop(str(error), FAILED)
     except RunFailed as error:
         _stop(f"the run went wrong {error}; everything up to then is kept", FAILED)
     except KeyboardInterrupt:
         _stop("stopped; everything up to then is kept", STOPPED)
+    except Exception as error:
+        if of_machine(error) is None:
+            raise
+        _stop("{}; {}, and give the command again".format(*of_machine(error)), FAILED)
 
 
 def _stopping(function: Callable) -> Callable:

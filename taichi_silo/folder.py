@@ -41,7 +41,7 @@ def writable(folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / ".probe"
         probe.touch()
-        probe.unlink()
+        probe.unlink(missing_ok=True)  # another process may have tried at the same time
     except OSError as error:
         for parent in made:
             if parent.is_dir() and not any(parent.iterdir()):
@@ -94,11 +94,15 @@ def go_on(folder: Path) -> str:
 
 def finished(folder: Path) -> bool:
     """Whether a run has come to its end there, and all its files are made."""
+    return program(folder).get("finished", False)
+
+
+def program(folder: Path) -> dict:
+    """What computed the run of a folder, and how far it has come; empty if that cannot be read."""
     try:
-        program = tomllib.loads((folder / MADE).read_text(encoding="utf-8"))["program"]
+        return tomllib.loads((folder / MADE).read_text(encoding="utf-8"))["program"]
     except (OSError, KeyError, UnicodeDecodeError, tomllib.TOMLDecodeError):
-        return False
-    return program.get("finished", False)
+        return {}
 
 
 def free_name(folder: Path) -> Path:
@@ -150,6 +154,5 @@ def write_tables(folder: Path, tables: dict, program: dict) -> None:
         "precision": "f64",
         **program,
     }
-    temporary = folder / (MADE + ".part")
-    temporary.write_text(tomli_w.dumps(tables), encoding="utf-8")
-    durable.put(temporary, folder / MADE)
+    with durable.written(folder / MADE) as passing:
+        passing.write_text(tomli_w.dumps(tables), encoding="utf-8")

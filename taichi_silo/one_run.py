@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from taichi_silo import folder as run_folder
-from taichi_silo import lock, state
-from taichi_silo.faults import BadInput, Stopped
+from taichi_silo import lock, memory, state
+from taichi_silo.faults import BadInput, MachineFailed, Stopped, of_machine
 from taichi_silo.observers import Observer, checkpoint
 from taichi_silo.observers.checkpoint import Checkpoint
 from taichi_silo.observers.forces import BALANCE, FORCES, Table
@@ -17,10 +17,13 @@ from taichi_silo.observers.snapshots import Snapshots
 from taichi_silo.observers.summary import Summary
 from taichi_silo.scene import Scene
 from taichi_silo.simulation import Simulation
-from taichi_silo.stopping import between_intervals
+from taichi_silo.stopping import Stops, heard
 
 FIGURE_DISPLACEMENTS_M = (0.002, 0.005, 0.010, 0.020)  # of the paper's figure 12, after the state at 0
 FIGURE_SHARES = (0.02, 0.1, 0.3)  # of the displacement of a free outflow
+BEFORE = "stopped before the run had begun; there is nothing of it to go on from"
+STILL = "stopped before the run went on; nothing has changed, and `%s` goes on with it"
+DRAWING = "stopped while the figures were drawn; all else is there, and `%s` draws them"
 
 
 def run(scene: Scene, folder: Path, *, overwrite: bool = False, film: bool = True, extra: tuple = ()) -> Path:
@@ -41,18 +44,23 @@ def run(scene: Scene, folder: Path, *, overwrite: bool = False, film: bool = Tru
     Raises
     ------
     BadInput
-        before any work, if the folder or the processor cannot be used.
+        before any work, if the folder or the processor cannot be used, or the memory does not suffice.
     RunFailed
         if the run went wrong; the folder then holds everything up to that time.
     Stopped
         if Ctrl-C or the signal to end asked for it; `resume` goes on from there.
 
     """
-    scene.machine.start()
-    folder = run_folder.free(folder, overwrite)
-    with lock.held(folder):
-        run_folder.claim(folder, overwrite)
-        _Session(scene, folder, film, extra).go()
+    with heard() as stops:
+        with stops.at_once(BEFORE):
+            memory.check(scene)
+            scene.machine.start()
+            folder = run_folder.free(folder, overwrite)
+        with lock.held(folder):
+            with stops.at_once(BEFORE):
+                session = _Session(scene, run_folder.free(folder, overwrite), film, extra)
+            run_folder.claim(folder, overwrite)
+            session.go(stops)
     return folder
 
 
@@ -82,17 +90,21 @@ def resume(folder: Path, *, threads: int | None = None, film: bool | None = None
     """
     folder = folder.expanduser()
     if run_folder.finished(folder):
+        clear(folder)  # what a death between the last two lines of a run leaves
         return folder
     if not checkpoint.is_there(folder):
         what = "holds no checkpoint to go on from" if folder.is_dir() else "does not exist"
         raise BadInput(f"folder is {folder}; it must be that of a run that was begun, but it {what}")
-    with lock.held(run_folder.writable(folder)):
-        kept, words = checkpoint.latest(folder)
-        scene, drawn = checkpoint.scene_of(kept, threads), "film" in kept["observers"]
-        if film and not drawn:
-            raise BadInput(f"film is asked for; the run in {folder} was begun without, and its beginning is gone")
-        scene.machine.start()
-        _Session(scene, folder, drawn if film is None else film, extra, kept, words).go()
+    with heard() as stops, lock.held(run_folder.writable(folder)):
+        with stops.at_once(STILL % run_folder.go_on(folder)):
+            kept, words = checkpoint.latest(folder)
+            scene, drawn = checkpoint.scene_of(kept, threads), "film" in kept["observers"]
+            if film and not drawn:
+                raise BadInput(f"film is asked for; the run in {folder} was begun without, and its beginning is gone")
+            memory.check(scene)
+            scene.machine.start()
+            session = _Session(scene, folder, drawn if film is None else film, extra, kept, words)
+        session.go(stops)
     return folder
 
 
@@ -118,42 +130,76 @@ class _Session:
         profiles = WallProfiles(folder / "walls.csv")
         self.summary = Summary(folder / "summary.json", profiles)
         self.log = Log(folder / "run.log")
+        self.film = Movie(folder / "void_ratio.mp4") if film else None
         self.observers: dict[str, Observer] = {
             "forces": Table(folder / "forces.csv", FORCES, bodies=True),
             "balance": Table(folder / "balance.csv", BALANCE),
             "profiles": profiles,
             "snapshots": Snapshots(folder, {u for u in figured if u < last} | {last}, scene.snapshots),
-            "summary": self.summary,
-            **({"film": Movie(folder / "void_ratio.mp4")} if film else {}),
-            "log": self.log,
+            **({"film": self.film} if self.film else {}),
+            "summary": self.summary,  # after those whose warnings it tells
             **{f"{type(one).__name__}_{number}": one for number, one in enumerate(extra)},
             "guard": Guard(),  # after the others: they have seen what it stops at
+            "log": self.log,
         }
         self.checkpoint = Checkpoint(folder, self.observers, kept["run"] if kept else None)
 
-    def go(self) -> None:
+    def go(self, stops: Stops) -> None:
         """Begin, or go on, and leave everything that a run leaves."""
-        begun, failures = {}, []
+        begun, ended = [], None
         try:
-            with between_intervals() as check:
-                for name, observer in (self.observers | {"checkpoint": self.checkpoint}).items():
-                    begun[name] = observer
-                    self._begin(name, observer)
-                self._note()
-                self._simulate(begun.values(), check)
-        except BaseException as error:
-            self.summary.failure = self.log.failure = str(error) or type(error).__name__
-            raise
-        finally:
-            for end in (*(observer.end for observer in begun.values()), self._draw):
-                try:
-                    end()
-                except Exception as error:  # noqa: BLE001 - one that cannot finish must not keep the others from it
-                    failures.append(error)
-            self._note(finished=self.summary.failure is None and not failures)
-        if failures:
-            raise failures[0]
+            self._work(begun, stops)
+        except BaseException as error:  # noqa: BLE001 - whatever ends it, its files are put in order first
+            ended = self._in_words(error)
+            self.summary.failure = self.log.failure = str(ended) or type(ended).__name__
+        troubles = self._end(begun, stops)
+        if self.folder.is_dir():
+            try:
+                self._note(finished=ended is None and not troubles)
+            except OSError as error:
+                troubles.append(error)
+        if ended is not None or troubles:
+            raise ended or self._in_words(troubles[0])
         clear(self.folder)
+
+    def _work(self, begun: list, stops: Stops) -> None:
+        """All that may go wrong midway; `begun` gathers the observers that have begun."""
+        for name, observer in (self.observers | {"checkpoint": self.checkpoint}).items():
+            begun.append(observer)
+            self._begin(name, observer)
+        self._note()
+        self._simulate(begun, stops.check)
+
+    def _end(self, begun: list, stops: Stops) -> list:
+        """End all observers, and draw; what went wrong."""
+        troubles = []
+        for observer in begun:
+            try:
+                observer.end()
+            except Exception as error:  # noqa: BLE001 - one that cannot finish must not keep the others from it
+                troubles.append(error)
+        if self.folder.is_dir():
+            try:
+                with stops.at_once(DRAWING % run_folder.go_on(self.folder)):
+                    self._draw()
+            except (Exception, Stopped) as error:  # noqa: BLE001 - as above
+                troubles.append(error)
+        return troubles
+
+    def _in_words(self, error: BaseException) -> BaseException:
+        """The error; of the machine, one that says when, what, and what to do."""
+        if of_machine(error) is None:
+            return error
+        what, remedy = of_machine(error)
+        further = f"`{run_folder.go_on(self.folder)}` goes on from its last checkpoint"
+        if not self.folder.is_dir():
+            what = f"the folder {self.folder} was gone, and {what}"
+            further = "`taichi-silo resume` goes on; if it was removed, begin again"
+        elif not checkpoint.is_there(self.folder):
+            further = "begin again"
+        failed = MachineFailed(f"stopped at {self._when()} because {what}; {remedy}, then {further}")
+        failed.__cause__ = error
+        return failed
 
     def _begin(self, name: str, observer: Observer) -> None:
         if self.kept is None:
@@ -182,15 +228,18 @@ class _Session:
             raise
         self.checkpoint.write()
 
-    def _farewell(self) -> str:
+    def _when(self) -> str:
         s = self.simulation
-        where = f"t = {s.time:.4f} s ({s.stage}, u = {1e3 * s.displacement:.3f} mm)"
-        return f"stopped at {where}; `{run_folder.go_on(self.folder)}` goes on from there"
+        return f"t = {s.time:.4f} s ({s.stage}, u = {1e3 * s.displacement:.3f} mm)"
+
+    def _farewell(self) -> str:
+        return f"stopped at {self._when()}; `{run_folder.go_on(self.folder)}` goes on from there"
 
     def _note(self, finished: bool = False) -> None:
         """Write run.toml."""
         done = {"wall_seconds": round(self.checkpoint.wall_seconds, 3), "finished": finished}
-        run_folder.write_parameters(self.folder, self.simulation.scene, done | {"resumed": self.checkpoint.resumed})
+        done |= {"resumed": self.checkpoint.resumed, "film": self.film.fate if self.film else "none"}
+        run_folder.write_parameters(self.folder, self.simulation.scene, done)
 
     def _draw(self) -> None:
         from taichi_silo.plots import plot_run  # matplotlib is slow to import, and only the end needs it

@@ -8,6 +8,8 @@ process that does with less (f32; mixed: only places in f64), so that the stabil
 import contextlib
 import io
 import os
+import tempfile
+from pathlib import Path
 
 import taichi as ti
 
@@ -43,6 +45,8 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
     if arch not in ARCHITECTURES:
         raise ArchitectureError(f"arch is {arch!r}; it must be one of {', '.join(ARCHITECTURES)}")
     options = {"default_fp": real, "log_level": ti.ERROR, "offline_cache": True}
+    if not _cache_can_be_kept():
+        options |= {"offline_cache": False, "offline_cache_file_path": tempfile.gettempdir()}
     options["offline_cache_max_size_of_files"] = CACHE_BYTES
     with contextlib.redirect_stdout(io.StringIO()):
         if arch == "cuda":
@@ -58,6 +62,16 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
                 make_cpu_multithreading_loop=False,
                 **options,
             )
+
+
+def _cache_can_be_kept() -> bool:
+    """Whether compiled kernels can be kept for the next process; Taichi fails with a folder that it cannot make."""
+    place = Path(ti.lang.impl.default_cfg().offline_cache_file_path)
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(place, os.R_OK | os.W_OK | os.X_OK)
 
 
 def wide() -> bool:

@@ -159,6 +159,9 @@ class Output(Table):
     snapshots: int | None = Field(
         None, ge=0, le=10_000, description="over the flow; 100 if absent, or fewer of more than 100,000 points"
     )
+    checkpoint_s: float = Field(
+        120.0, ge=0.01, le=86_400, description="between two checkpoints, by the clock: what a crash may cost"
+    )
 
 
 class Machine(Table):

@@ -8,6 +8,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from taichi_silo import durable
+
 LEVEL = 1  # of zlib: the noise of floating-point numbers packs no better with more
 KINDS = {"float64": "Float64", "float32": "Float32", "int64": "Int64", "int32": "Int32", "uint8": "UInt8"}
 BLOCKS = ("Points", "PointData")
@@ -43,9 +45,8 @@ def write(file: Path, places: np.ndarray, arrays: dict[str, np.ndarray]) -> None
         'header_type="UInt32" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>'
         f'<Piece NumberOfPoints="{count}" NumberOfCells="{count}">\n{body}</Piece></UnstructuredGrid>\n</VTKFile>\n'
     )
-    temporary = file.with_name(f"{file.name}.part")
-    temporary.write_text(text, encoding="ascii")
-    temporary.replace(file)
+    with durable.written(file) as passing:
+        passing.write_text(text, encoding="ascii")
 
 
 def _array(name: str, values: np.ndarray) -> str:

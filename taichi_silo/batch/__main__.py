@@ -5,7 +5,7 @@ import sys
 from taichi_silo.batch.attempt import attempt
 from taichi_silo.batch.runs import Run
 from taichi_silo.child import SAID_NO, STOPPED, given
-from taichi_silo.faults import BadInput, RunFailed
+from taichi_silo.faults import BadInput, RunFailed, of_machine
 from taichi_silo.observers import Observer
 
 SAID_EVERY = 0.01  # of the run
@@ -40,6 +40,11 @@ def main() -> None:
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         sys.exit(STOPPED)
+    except Exception as error:
+        if of_machine(error) is None:
+            raise
+        print("{}; {}".format(*of_machine(error)), file=sys.stderr)
+        sys.exit(SAID_NO)
 
 
 if __name__ == "__main__":

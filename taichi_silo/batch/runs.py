@@ -7,9 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from taichi_silo import memory
 from taichi_silo.cost import START_S, Cost, at_pace, rehearse
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE, claim, finished, parameters
+from taichi_silo.folder import MADE, claim, finished, parameters, program
 from taichi_silo.processes import Processes, Task
 from taichi_silo.scene import Scene
 from taichi_silo.scene_file import read_scene
@@ -40,7 +41,8 @@ class Run:
     def finished(self) -> bool:
         """Whether it is there, with all that belongs to it."""
         done = self.summary.get("finished", False) and finished(self.folder)
-        return done and (not self.film or (self.folder / "void_ratio.mp4").exists())
+        drawn = (self.folder / "void_ratio.mp4").exists() or program(self.folder).get("film") == "ended early"
+        return done and (not self.film or drawn)
 
     @property
     def begun(self) -> bool:
@@ -79,7 +81,7 @@ def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
     Raises
     ------
     BadInput
-        if a processor cannot be used.
+        if a processor cannot be used, or the memory does not suffice.
 
     """
     paces, found = {}, {}
@@ -92,6 +94,7 @@ def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
     for name in sorted(missing, key=lambda name: runs[name].scene.points):
         scene = runs[name].scene
         if _formulas(scene) not in paces:
+            memory.check(scene)
             scene.machine.start()
             paces[_formulas(scene)] = [rehearse(Simulation(scene)) / scene.points]
         found[name] = at_pace(scene, statistics.median(paces[_formulas(scene)]))

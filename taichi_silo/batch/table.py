@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from taichi_silo import durable
 from taichi_silo.batch.runs import Run
 from taichi_silo.batch.variations import used
 
@@ -72,7 +73,6 @@ def found(summary: dict) -> dict:
 def leave(file: Path, rows: Iterable[dict]) -> pd.DataFrame:
     """Write the table, in one piece or not at all, and return it."""
     table = pd.DataFrame(list(rows))
-    temporary = file.with_name(file.name + ".part")
-    table.to_csv(temporary, index=False, float_format="%.6g")
-    temporary.replace(file)
+    with durable.written(file) as passing:
+        table.to_csv(passing, index=False, float_format="%.6g")
     return table

@@ -29,7 +29,7 @@ def command(
     from rich.progress import Progress
 
     from taichi_silo.export import tables, vtkhdf
-    from taichi_silo.faults import BadInput, RunFailed
+    from taichi_silo.faults import BadInput, of_file
     from taichi_silo.folder import writable
     from taichi_silo.history import History
 
@@ -50,7 +50,7 @@ def command(
         try:
             count = write(history, target, lambda: progress.advance(task))
         except OSError as error:
-            raise RunFailed(f"while {target} was written: {error}") from error
+            raise of_file(error, target) from error
     files = [target] if target.is_file() else [*target.glob("*.csv")]
     size = sum(file.stat().st_size for file in files)
     voice.say(f"{target}  {count} states, {size / 1e6:.3g} MB")

@@ -44,9 +44,10 @@ def command(
 
     taichi-silo render outputs/silo --field mean_stress --frame 10
     """
-    from taichi_silo.faults import RunFailed
+    from taichi_silo.faults import MachineFailed, of_file
     from taichi_silo.fields import field as known
     from taichi_silo.history import History
+    from taichi_silo.observers.encoder import FilmError
     from taichi_silo.render import renderer
 
     known(field)
@@ -64,8 +65,10 @@ def command(
             file = _free(output or history.folder / f"{field}_{frame:g}{unit}.png", ".png", overwrite)
             drawn = renderer.still(history, file, number, look)
             found = {"picture": str(file), "snapshot": str(history.index["file"].iloc[number])}
-    except (OSError, RuntimeError) as error:
-        raise RunFailed(f"while {field} was drawn: {error}") from error
+    except OSError as error:
+        raise of_file(error, file) from error
+    except FilmError as error:
+        raise MachineFailed(f"{file} could not be drawn: {error}; see to that, and give the command again") from error
     scale = drawn.scale
     ends = "" if isinstance(scale.colours, tuple) else f", {scale.low:g} to {scale.high:g}"
     voice.say(f"{file}  {scale.label}{ends}")

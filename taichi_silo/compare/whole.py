@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from taichi_silo import durable
 from taichi_silo.compare import differences as tables
 from taichi_silo.compare.deviation import deviations
 from taichi_silo.compare.figures import draw
@@ -80,23 +81,19 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, paper: bool, c
     left = {"compare.csv": found.differences, "janssen.csv": found.janssen, "deviation.csv": found.deviations}
     if paper:
         left["paper.csv"] = pd.concat([one.rows for one in found.paper])
-    try:
-        for name in PRODUCTS:
-            (output / name).unlink(missing_ok=True)
-        for name, table in left.items():
-            if table is not None:
-                found.files.append(_write(table, output / name))
-        found.files.extend(draw(runs, measured, janssen, output))
-    except OSError as error:
-        raise BadInput(f"output {output} cannot be written: {error.strerror or error}") from error
+    for name in PRODUCTS:
+        (output / name).unlink(missing_ok=True)
+    for name, table in left.items():
+        if table is not None:
+            found.files.append(_write(table, output / name))
+    found.files.extend(draw(runs, measured, janssen, output))
     return found
 
 
 def _write(table: pd.DataFrame, file: Path) -> Path:
     """A table in one piece or not at all."""
-    temporary = file.with_name(file.name + ".part")
-    table.to_csv(temporary, index=False, encoding="utf-8")
-    temporary.replace(file)
+    with durable.written(file) as passing:
+        table.to_csv(passing, index=False, encoding="utf-8")
     return file
 
 

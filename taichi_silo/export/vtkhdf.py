@@ -4,13 +4,14 @@ The file is an unstructured grid of vertices, VTKHDF 2.0: the states stand one a
 group `Steps` says where each begins. Arrays are those of the snapshots, compressed.
 """
 
+import io
 from collections.abc import Callable
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from taichi_silo import vtu
+from taichi_silo import durable, vtu
 from taichi_silo.export.states import states
 from taichi_silo.history import History
 
@@ -33,23 +34,78 @@ def write(history: History, target: Path, seen: Callable[[], None] = lambda: Non
     Number of states.
 
     """
-    passing = target.with_name(f"{target.name}.part")
-    try:
-        with h5py.File(passing, "w") as file:
+    with durable.written(target) as passing, open(passing, "w+b", buffering=0) as stream:
+        sink = Sink(stream)
+        with h5py.File(sink, "w") as file:
             root = file.create_group("VTKHDF")
             root.attrs["Version"] = VERSION
             root.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", 16))
             counts, times, series = [], [], Series(root)
             for row, position, arrays in states(history):
                 series.append(position, arrays)
+                sink.check()
                 counts.append(len(position))
                 times.append(row["time_s"])
                 seen()
             _steps(root, np.array(counts), np.array(times), list(arrays))
-        passing.replace(target)
-    finally:
-        passing.unlink(missing_ok=True)
+        sink.check()
     return len(times)
+
+
+class Sink(io.RawIOBase):
+    """A file that keeps its troubles from HDF5, which would leave objects behind that end the process later.
+
+    Parameters
+    ----------
+    stream : of the file, unbuffered.
+
+    """
+
+    def __init__(self, stream):
+        self.stream, self.trouble, self.place = stream, None, 0
+
+    def write(self, data) -> int:
+        """All of it, or nothing if the file has no room, or had none before."""
+        rest, size = memoryview(data).cast("B"), memoryview(data).nbytes
+        try:
+            self.stream.seek(self.place)
+            while rest and self.trouble is None:
+                rest = rest[self.stream.write(rest) :]
+        except OSError as error:
+            self.trouble = error
+        self.place += size
+        return size
+
+    def readinto(self, buffer) -> int:
+        """What is there; zeros beyond."""
+        view = memoryview(buffer).cast("B")
+        self.stream.seek(self.place)
+        got = self.stream.readinto(view)
+        view[got:] = bytes(len(view) - got)
+        self.place += len(view)
+        return len(view)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Nothing is cut off a file that had no room."""
+        try:
+            return self.stream.truncate(self.place if size is None else size)
+        except OSError as error:
+            self.trouble = self.trouble or error
+            return size
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        """Go to a byte."""
+        self.place = self.stream.seek(0, whence) + offset if whence == io.SEEK_END else offset
+        return self.place
+
+    def tell(self) -> int:
+        """The present byte."""
+        return self.place
+
+    def check(self) -> None:
+        """Raise the OSError that has befallen the file, if one has."""
+        if self.trouble is not None:
+            raise self.trouble
 
 
 class Series:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from taichi_silo import durable
 from taichi_silo.faults import BadInput
 from taichi_silo.gallery.runs import Entry, entry, folders
 
@@ -45,7 +46,6 @@ def write(entries: list[Entry], page: Path, title: str) -> Path:
     text = environment.get_template("page.html.j2").render(
         entries=entries, title=title, version=version("taichi-silo")
     )
-    passing = page / f"{PAGE}.part"
-    passing.write_text(text, encoding="utf-8")
-    passing.replace(page / PAGE)
+    with durable.written(page / PAGE) as passing:
+        passing.write_text(text, encoding="utf-8")
     return page / PAGE

@@ -13,12 +13,11 @@ from taichi_silo.observers import Observer
 from taichi_silo.scene import Scene
 from taichi_silo.table import one_sentence
 
-EVERY_S = 120.0  # of the wall clock
 NAME, PREVIOUS = CHECKPOINT, "checkpoint.previous.npz"
 
 
 class Checkpoint(Observer):
-    """Written at the start, every two minutes, after filling, and by `write` wherever the run stops.
+    """Written at the start, as often as the scene asks for, after filling, and by `write` wherever the run stops.
 
     It holds the scene, the simulation, and the state of every other observer; all of them have seen the last record. A
     state that is not finite never replaces a good one.
@@ -36,7 +35,7 @@ class Checkpoint(Observer):
         self.folder, self.observers = folder, observers
         self.after_filling, self.resumed = begun["filled"], begun["resumed"] + 1
         self.started = time.monotonic() - begun["wall_seconds"]
-        self.due, self.warned = time.monotonic() + EVERY_S, False
+        self.warned = False
 
     @property
     def wall_seconds(self) -> float:
@@ -51,6 +50,7 @@ class Checkpoint(Observer):
     def restore(self, simulation, kept: dict) -> None:
         """Go on from what is there."""
         self.simulation = simulation
+        self._wait()
 
     def observe(self, record) -> None:
         """Write when due."""
@@ -62,13 +62,22 @@ class Checkpoint(Observer):
         self.after_filling = True
         self.write()
 
+    def _wait(self) -> None:
+        self.due = time.monotonic() + self.simulation.scene.output.checkpoint_s  # which no change of the date moves
+
     def write(self) -> None:
-        """Write, in one piece or not at all; the run outlives a checkpoint that cannot be written, with a warning."""
-        self.due = time.monotonic() + EVERY_S
+        """Write, in one piece or not at all; the run outlives one that cannot be written, with a warning.
+
+        Raises
+        ------
+        OSError
+            if the folder is gone, or another file cannot be brought to the disk.
+
+        """
+        self._wait()
         simulation = state.of(self.simulation)
         if not all(np.isfinite(values).all() for values in simulation["points"].values()):
             return
-        temporary = self.folder / "checkpoint.part.npz"
         kept = {
             "run": {"filled": self.after_filling, "resumed": self.resumed, "wall_seconds": self.wall_seconds},
             "scene": self.simulation.scene.model_dump(mode="json"),
@@ -76,10 +85,11 @@ class Checkpoint(Observer):
             "observers": {name: observer.state() for name, observer in self.observers.items()},
         }
         try:
-            archive.write(temporary, kept)
-            durable.put(temporary, self.folder / NAME, self.folder / PREVIOUS)
+            with durable.written(self.folder / NAME, self.folder / PREVIOUS) as passing:
+                archive.write(passing, kept)
         except OSError as error:
-            temporary.unlink(missing_ok=True)
+            if not self.folder.is_dir():
+                raise
             if not self.warned:
                 self.warned = True
                 self.simulation.warnings.append(

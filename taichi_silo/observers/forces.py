@@ -1,13 +1,16 @@
 """Wall-force histories: `forces.csv`, and `balance.csv` with what closes the balance of each of its rows."""
 
+import contextlib
 import csv
+import errno
+import io
 import os
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from taichi_silo.faults import BadInput
+from taichi_silo.faults import BadInput, of_file
 from taichi_silo.observers import Observer
 
 FORCES = {
@@ -47,7 +50,7 @@ def of_bodies(names) -> dict:
 
 
 class Table(Observer):
-    """One row of a CSV file for each record; on disk as soon as it is known.
+    """One row of a CSV file for each record; in the file as soon as it is known, as a whole or not at all.
 
     Parameters
     ----------
@@ -62,20 +65,38 @@ class Table(Observer):
 
     def begin(self, simulation) -> None:
         """Write the head."""
-        self._open(simulation, "w")
-        self.writer.writerow(self.columns)
+        self._open(simulation, "wb", 0)
+        self._write(self.columns)
 
-    def _open(self, simulation, mode: str) -> None:
+    def _open(self, simulation, mode: str, size: int) -> None:
         if self.bodies:
             self.columns = self.columns | of_bodies(simulation.bodies)
-        self.stream = open(self.file, mode, newline="", buffering=1, encoding="utf-8")  # noqa: SIM115 - see end()
-        self.writer = csv.writer(self.stream)
+        self.size = size
+        self.stream = open(self.file, mode, buffering=0)  # noqa: SIM115 - see end()
+
+    def _write(self, cells) -> None:
+        row = io.StringIO(newline="")
+        csv.writer(row).writerow(cells)
+        rest = memoryview(row.getvalue().encode())
+        size = self.size + len(rest)
+        try:
+            while rest:
+                rest = rest[self.stream.write(rest) :]
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                os.ftruncate(self.stream.fileno(), self.size)
+            raise of_file(error, self.file) from error
+        self.size = size
 
     def state(self) -> dict:
         """How many bytes are written."""
-        self.stream.flush()
-        os.fsync(self.stream.fileno())
-        return {"bytes": os.fstat(self.stream.fileno()).st_size}
+        try:
+            os.fsync(self.stream.fileno())
+            if not os.fstat(self.stream.fileno()).st_nlink:
+                raise OSError(errno.ENOENT, "it has been removed")
+        except OSError as error:
+            raise of_file(error, self.file) from error
+        return {"bytes": self.size}
 
     def restore(self, simulation, kept: dict) -> None:
         """Cut off what was written later."""
@@ -85,12 +106,12 @@ class Table(Observer):
                 f"{self.file} has {size} bytes; the run cannot go on without a gap, it had written {kept['bytes']}"
             )
         os.truncate(self.file, kept["bytes"])
-        self._open(simulation, "a")
+        self._open(simulation, "ab", kept["bytes"])
 
     def observe(self, record) -> None:
         """Write a row, with digits enough to check the balance to 1e-9."""
         values = (read(record) for read in self.columns.values())
-        self.writer.writerow(value if isinstance(value, str) else f"{value:.13g}" for value in values)
+        self._write(value if isinstance(value, str) else f"{value:.13g}" for value in values)
 
     def end(self) -> None:
         """Close the file."""

@@ -1,5 +1,6 @@
 """What happened in a run and when, in words: `run.log`, for those who were not there."""
 
+import contextlib
 import platform
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -39,9 +40,10 @@ class Log(Observer):
         self.part = simulation.time / self.total
 
     def say(self, words: str) -> None:
-        """Write a line; words that have several get one."""
+        """Write a line; words that have several get one. A log that finds no room ends no run."""
         now = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S")
-        self.stream.write(f"{now}  t = {self.simulation.time:8.4f} s  {' '.join(words.split())}\n")
+        with contextlib.suppress(OSError):
+            self.stream.write(f"{now}  t = {self.simulation.time:8.4f} s  {' '.join(words.split())}\n")
 
     def filled(self) -> None:
         """Say so."""
@@ -72,4 +74,5 @@ class Log(Observer):
             times = f"{alarm.times} times, the last at t = {alarm.last_time_s:.4f} s: {alarm.sentence}"
             self.say(f"alarm: {alarm.name}, {'which stops the run' if alarm.stops else times}")
         self.say("ends" if self.failure is None else f"ends before its time: {self.failure}")
-        self.stream.close()
+        with contextlib.suppress(OSError):
+            self.stream.close()

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from taichi_silo import durable
 from taichi_silo.grid import MARGIN
 from taichi_silo.measure.overpressure import CORNER_M, largest_overpressure
 from taichi_silo.measure.wall_pressure import CELL_M, cell_mean
@@ -93,7 +94,7 @@ class WallProfiles(Observer):
             self.states["residual"], _ = self._mean(self.full)
         elif self.block:
             self._filled()
-        with open(self.file, "w", newline="") as stream:
+        with durable.written(self.file) as passing, open(passing, "w", newline="", encoding="utf-8") as stream:
             writer = csv.writer(stream)
             writer.writerow(["state", "wall", "height_m", "normal_stress_Pa", "shear_stress_Pa"])
             for state in ("filling", "maximum", "residual"):

@@ -1,5 +1,6 @@
 """The progress line."""
 
+import contextlib
 import sys
 import time
 
@@ -21,11 +22,11 @@ class ProgressLine(Observer):
 
     def begin(self, simulation) -> None:
         """Say what it will cost, and estimate the whole in simulated seconds."""
-        self.console.print(simulation.about_averaging, highlight=False, soft_wrap=True)
+        self._print(simulation.about_averaging, highlight=False, soft_wrap=True)
         self._start(simulation)
         cost = predict(simulation)
         seconds = cost.core_seconds / simulation.solver.threads
-        self.console.print(
+        self._print(
             f"{cost.points:,} points, about {cost.steps:,} steps: some {_clock(seconds)} minutes of stepping",
             highlight=False, soft_wrap=True,
         )  # fmt: skip
@@ -34,7 +35,7 @@ class ProgressLine(Observer):
     def restore(self, simulation, kept: dict) -> None:
         """Say from where the run goes on."""
         self._start(simulation)
-        self.console.print(
+        self._print(
             f"Going on from t = {simulation.time:.4f} s ({simulation.stage}), u = {1e3 * simulation.displacement:.3f} "
             "mm", highlight=False, soft_wrap=True,
         )  # fmt: skip
@@ -76,11 +77,16 @@ class ProgressLine(Observer):
             self.bar.update(self.task, completed=part, description=text)
         elif part >= self.printed + LINE_EVERY:
             self.printed = part
-            self.console.print(f"{100 * part:5.1f} %  {text}", highlight=False, soft_wrap=True)
+            self._print(f"{100 * part:5.1f} %  {text}", highlight=False, soft_wrap=True)
+
+    def _print(self, words: str, **how) -> None:
+        """A terminal that is gone must not end the run."""
+        with contextlib.suppress(OSError):
+            self.console.print(words, **how)
 
     def _warn(self) -> None:
         for sentence in self.simulation.warnings[self.told :]:
-            self.console.print(f"Warning: {sentence}", highlight=False, soft_wrap=True)
+            self._print(f"Warning: {sentence}", highlight=False, soft_wrap=True)
         self.told = len(self.simulation.warnings)
 
     def end(self) -> None:
@@ -89,7 +95,7 @@ class ProgressLine(Observer):
             self.bar.refresh()
             self.bar.stop()
         elif self.text:
-            self.console.print(f"   end   {self.text}", highlight=False, soft_wrap=True)
+            self._print(f"   end   {self.text}", highlight=False, soft_wrap=True)
 
 
 def _clock(seconds: float) -> str:

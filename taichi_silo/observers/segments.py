@@ -8,11 +8,11 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import imageio_ffmpeg
 import numpy as np
 
 from taichi_silo import durable
 from taichi_silo.faults import BadInput
+from taichi_silo.observers.encoder import FilmError, program
 
 MARK = ".segment_"
 LISTED = "-protocol_whitelist file,pipe -f concat -safe 0 -i pipe:0"  # names of the pieces come through a pipe
@@ -76,19 +76,28 @@ class Segments:
                 with contextlib.suppress(OSError):
                     file.unlink()
 
+    def abandon(self) -> None:
+        """Take away the present piece, whose encoder has failed; the others stay."""
+        present, self.present = self.present, None
+        if present is not None:
+            with contextlib.suppress(FilmError, OSError):
+                present.close()
+            for left in (present.partial, present.path):
+                with contextlib.suppress(OSError):
+                    left.unlink(missing_ok=True)
+
     def close(self, keep: bool = False) -> None:
         """Join all pieces; without frames there is no film. They are left beside it if they are to be kept."""
         if self.closed:
             return
         self.cut()
         self.closed = True
-        partial = self.path.with_name(f"{self.path.stem}.partial{self.path.suffix}")
-        if len(self.pieces) == 1:
-            shutil.copyfile(self.pieces[0], partial)
-        elif self.pieces:
-            self._join(partial)
         if self.pieces:
-            durable.put(partial, self.path)
+            with durable.written(self.path) as passing:
+                if len(self.pieces) == 1:
+                    shutil.copyfile(self.pieces[0], passing)
+                else:
+                    self._join(passing)
         for piece in () if keep else self.pieces:
             piece.unlink()
 
@@ -97,12 +106,14 @@ class Segments:
         for piece in self.pieces:
             name = piece.resolve().as_posix().replace("'", "'\\''")
             lines.append(f"file 'file:{name}'\n")
-        program = imageio_ffmpeg.get_ffmpeg_exe()
-        command = [program, "-y", "-loglevel", "error", *LISTED.split(), *JOINED.split(), str(file)]
+        command = [program(), "-y", "-loglevel", "error", *LISTED.split(), *JOINED.split(), str(file)]
         # own session: Ctrl-C stops the run, which then still completes its film
-        done = subprocess.run(command, input="".join(lines).encode(), capture_output=True, start_new_session=True)
+        try:
+            done = subprocess.run(command, input="".join(lines).encode(), capture_output=True, start_new_session=True)
+        except OSError as error:
+            raise FilmError(f"ffmpeg cannot be started ({error.strerror})") from error
         if done.returncode:
-            raise RuntimeError(f"ffmpeg failed to join {self.path}: {done.stderr.decode(errors='replace').strip()}")
+            raise FilmError(f"ffmpeg failed to join {self.path}: {done.stderr.decode(errors='replace').strip()}")
 
 
 def clear(folder: Path) -> None:

@@ -38,6 +38,7 @@ class Snapshots(Observer):
 
     def state(self) -> dict:
         """What is written, and what is still wanted."""
+        durable.sync(self.folder)
         return {"rows": self.rows, "wanted": self.wanted, "due": self.due}
 
     def restore(self, simulation, kept: dict) -> None:
@@ -85,7 +86,6 @@ class Snapshots(Observer):
         simulation = self.simulation
         file = self.folder / f"{name}.vtu"
         snapshot.write(file, simulation.points())
-        durable.sync(file)
         self.rows.append(
             {
                 "file": file.name,
@@ -98,18 +98,17 @@ class Snapshots(Observer):
 
     def _list(self) -> None:
         """Write both lists of what there is."""
-        with open(self._part("index.csv"), "w", newline="", encoding="utf-8") as stream:
+        with (
+            durable.written(self.folder / "index.csv") as passing,
+            open(passing, "w", newline="", encoding="utf-8") as stream,
+        ):
             writer = csv.DictWriter(stream, self.rows[0])
             writer.writeheader()
             writer.writerows(self.rows)
         entries = "".join(f'<DataSet timestep="{row["time_s"]:.9g}" file="{row["file"]}"/>\n' for row in self.rows)
-        self._part("silo.pvd").write_text(
-            '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"><Collection>\n'
-            f"{entries}</Collection></VTKFile>\n",
-            encoding="utf-8",
-        )
-        for file in ("index.csv", "silo.pvd"):
-            self._part(file).replace(self.folder / file)
-
-    def _part(self, name: str) -> Path:
-        return self.folder / f"{name}.part"
+        with durable.written(self.folder / "silo.pvd") as passing:
+            passing.write_text(
+                '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"><Collection>\n'
+                f"{entries}</Collection></VTKFile>\n",
+                encoding="utf-8",
+            )

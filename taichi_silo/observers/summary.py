@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from taichi_silo import durable
 from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.measure.certificate import certificate
 from taichi_silo.measure.flow_findings import flow_findings
@@ -112,9 +113,8 @@ class Summary(Observer):
             "particle_steps_per_second": points * simulation.steps / max(stepping, 1e-9),
             "wall_seconds": seconds,
         }
-        temporary = self.file.with_suffix(".part")
-        temporary.write_text(json.dumps(_without_nan(found), indent=2) + "\n")
-        temporary.replace(self.file)
+        with durable.written(self.file) as passing:
+            passing.write_text(json.dumps(_without_nan(found), indent=2) + "\n", encoding="utf-8")
 
     def _measures(self, found: dict):
         """Name and function of each measure that the run has come far enough for; later ones use what is found."""

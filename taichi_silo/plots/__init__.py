@@ -9,6 +9,7 @@ from pathlib import Path
 import pandas as pd
 from matplotlib import rc_context
 
+from taichi_silo import durable
 from taichi_silo.plots.batch import batch_figure
 from taichi_silo.plots.forces import (
     case_angles_figure,
@@ -100,6 +101,7 @@ def _draw(figures, data, target: Path) -> list[Path]:
         with rc_context(STYLE):
             figure = make_figure(data)
             if figure is not None:
-                figure.savefig(target / f"{name}.png")
                 written.append(target / f"{name}.png")
+                with durable.written(written[-1]) as passing:
+                    figure.savefig(passing, format="png")
     return written

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.ticker import MaxNLocator
 
+from taichi_silo import durable
 from taichi_silo.plots.forces import ANGLE, FORCES
 from taichi_silo.plots.style import (
     BLACK,
@@ -38,9 +39,8 @@ def save(figures: dict, target: Path) -> list[Path]:
             figure = make_figure()
             if figure is None:
                 continue
-            temporary = target / f"{name}.part"
-            figure.savefig(temporary, format="png")
-        temporary.replace(target / name)
+            with durable.written(target / name) as passing:
+                figure.savefig(passing, format="png")
         written.append(target / name)
     return written
 

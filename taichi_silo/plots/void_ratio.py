@@ -41,7 +41,8 @@ def chosen_snapshots(run) -> list:
             continue
         ended = 1e3 * flow["displacement_m"].iloc[-1] < 0.95 * target
         row = flow.iloc[-1] if ended else flow.loc[distance.idxmin()]
-        chosen.append(None if row["file"] == chosen[-1]["file"] else row)
+        known = [one["file"] for one in chosen if one is not None]
+        chosen.append(None if row["file"] in known else row)
     return chosen
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup
 
-from taichi_silo import sands
+from taichi_silo import durable, sands
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE
+from taichi_silo.folder import MADE, writable
 from taichi_silo.plots import plot_run
 from taichi_silo.plots.run_files import RunFiles
 from taichi_silo.report import media, tables
@@ -64,13 +64,9 @@ def write_report(folder: Path, file: Path | None = None) -> Path:
     file = run.folder / "report.html" if file is None else Path(file).expanduser()
     if file.is_dir():
         raise BadInput(f"output is {file}, a folder; it must be a file, such as {file / 'report.html'}")
-    temporary = file.with_name(file.name + ".part")
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_text(page(run), encoding="utf-8")
-        temporary.replace(file)
-    except OSError as error:
-        raise BadInput(f"output {file} cannot be written: {error.strerror or error}") from error
+    writable(file.parent)
+    with durable.written(file) as passing:
+        passing.write_text(page(run), encoding="utf-8")
     return file
 
 
@@ -181,6 +177,7 @@ def state(run: RunFiles) -> dict | None:
     cause = run.summary.get("failure") or "no reason was told"
     if cause == "KeyboardInterrupt":
         return {"title": "This run was stopped before its end", "words": f"{reached}; below is what it has left."}
+    cause = cause.removeprefix("stopped ")
     return {"title": "This run failed", "words": f"It stopped {cause}. {reached}; below is what it has left."}
 
 

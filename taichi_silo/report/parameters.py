@@ -72,6 +72,7 @@ MEANINGS = {  # where a scene does not say it, or not in full
     "program.wall_seconds": "of the whole run, films and files included",
     "program.finished": "whether the run came to its end",
     "program.resumed": "how often it was gone on with after a break",
+    "program.film": "whole, ended early, or none",
 }
 
 

@@ -83,9 +83,12 @@ class Study:
         Raises
         ------
         BadInput
-            if the folder cannot be written or another sweep has it, or a scheduler does not answer.
+            if the folder cannot be written or another sweep has it, a processor is not there, or a scheduler does not
+            answer.
 
         """
+        for machine in {run.scene.machine for run in self.missing.values()}:
+            machine.start()
         writable(self.folder)
         with alone(self.folder / LOCK, 0.0, f"output {self.folder} is in use by another sweep"):
             expected = self.estimate()

@@ -19,6 +19,7 @@ from taichi_silo.faults import BadInput, Stopped
 from taichi_silo.observers import Observer, checkpoint
 from taichi_silo.observers.checkpoint import NAME, PREVIOUS
 from taichi_silo.one_run import resume, run
+from taichi_silo.scene import Output
 
 ROOT = Path(__file__).parents[2]
 SCENE = Scene(
@@ -30,7 +31,6 @@ import sys
 from pathlib import Path
 from taichi_silo import Scene, cli, one_run
 from taichi_silo.observers import checkpoint
-checkpoint.EVERY_S = 0.05
 one_run._Session._draw = lambda self: None
 scene, folder = Scene.model_validate_json(sys.argv.pop(1)), Path(sys.argv.pop(1))
 def go():
@@ -285,7 +285,8 @@ def test_a_folder_without_a_checkpoint_is_refused(tmp_path, monkeypatch, capsys)
 
 
 def child(folder):
-    words = [sys.executable, "-c", CHILD, SCENE.model_dump_json(), str(folder)]
+    scene = SCENE.model_copy(update={"output": Output(checkpoint_s=0.05)})
+    words = [sys.executable, "-c", CHILD, scene.model_dump_json(), str(folder)]
     return subprocess.Popen(words, stderr=subprocess.PIPE, text=True, env=os.environ | {"PYTHONPATH": str(ROOT)})
 
 

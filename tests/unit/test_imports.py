@@ -20,7 +20,7 @@ LAYERS = [
     ["weaknesses", "alarms", "settings", "fidelity", "column"],
     ["filling", "outflow", "ledger"],
     ["simulation", "state", "specimen", "sands"],
-    ["trial"],
+    ["trial", "memory"],
     ["element", "scene_file", "fields", "folder", "timestep", "cost"],
     ["history"],
     ["stability"],

@@ -17,7 +17,7 @@ from taichi_silo.fields import FIELDS
 from taichi_silo.history import History
 from taichi_silo.observers import movie
 from taichi_silo.observers.canvas import BACKGROUND, MISSING
-from taichi_silo.observers.encoder import Encoder
+from taichi_silo.observers.encoder import Encoder, FilmError
 from taichi_silo.observers.raster import table
 from taichi_silo.one_run import run
 from taichi_silo.render import moments, renderer
@@ -244,10 +244,10 @@ def test_the_help_names_all_fields():
 
 def test_trouble_while_drawing_is_told_in_a_sentence(folder, tmp_path, monkeypatch):
     def broken(self, frame):
-        raise RuntimeError("ffmpeg stopped: no space left")
+        raise FilmError("ffmpeg stopped: no space left")
 
     monkeypatch.setattr(Encoder, "write", broken)
-    with pytest.raises(RunFailed, match="while speed was drawn: ffmpeg stopped: no space left"):
+    with pytest.raises(RunFailed, match=r"a.mp4 could not be drawn: ffmpeg stopped: no space left; see to that"):
         command("render", folder, "--field", "speed", "--size", "320x180", "--output", tmp_path / "a.mp4")
     assert not list(tmp_path.iterdir())
 

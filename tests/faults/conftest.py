@@ -1,0 +1,37 @@
+"""What the tests of faults share: a run that nothing befell, and runs without what takes them their time."""
+
+import pytest
+
+from taichi_silo import one_run, runtime, state
+from taichi_silo.one_run import run
+from taichi_silo.scene import Machine
+from taichi_silo.simulation import Simulation
+from tests.faults.tiny import SCENE
+
+
+@pytest.fixture(scope="module")
+def quick():
+    """Runs of the tiny scene step with one simulation, put back to its start, which is compiled once; no figures."""
+    made = []
+
+    def simulation(scene):
+        if not made:
+            made.extend([Simulation(scene)])
+            made.append(state.of(made[0]))
+        found, start = made
+        found.scene, found.warnings = scene, []
+        state.restore(found, start)
+        return found
+
+    with pytest.MonkeyPatch.context() as patch:
+        runtime.init()
+        patch.setattr(Machine, "start", lambda self: None)
+        patch.setattr(one_run, "Simulation", simulation)
+        patch.setattr(one_run._Session, "_draw", lambda self: None)
+        yield
+
+
+@pytest.fixture(scope="module")
+def whole(quick, tmp_path_factory):
+    """The folder of a run that nothing befell."""
+    return run(SCENE, tmp_path_factory.mktemp("runs") / "whole", film=False)

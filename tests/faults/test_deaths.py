@@ -1,0 +1,167 @@
+"""A run that dies at any moment, also within a write, goes on to what it would have become, and loses nothing."""
+
+import os
+import random
+import shutil
+import subprocess
+import sys
+from collections import Counter
+
+import pytest
+
+from taichi_silo import durable
+from taichi_silo.observers import checkpoint
+from taichi_silo.one_run import resume, run
+from tests.faults.tiny import ROOT, SCENE, assert_same, assert_sound
+
+OFTEN = SCENE.model_copy(update={"output": SCENE.output.model_copy(update={"checkpoint_s": 0.03})})
+# it runs, or goes on, until a chosen write, and dies there, or some time after
+CHILD = """
+import os, signal, sys, threading, time
+from pathlib import Path
+from taichi_silo import Scene, one_run
+from taichi_silo.observers import checkpoint, forces, movie
+
+scene, folder, film, what, count, delay = *sys.argv[1:5], int(sys.argv[5]), float(sys.argv[6])
+folder = Path(folder)
+movie.FILLING_FRAMES, movie.FLOW_FRAMES = 10, 30
+written, write = 0, forces.Table._write
+
+def die():
+    time.sleep(delay)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+def counted(file):
+    global written
+    written += str(folder) in file and what in file[len(str(folder)) :]
+    return written == count
+
+def hook(event, given):
+    file = str(given[0]) if given else ""
+    changes = event in ("os.rename", "os.remove", "os.truncate", "shutil.copyfile")
+    changes |= event == "open" and ((given[2] or 0) & (os.O_WRONLY | os.O_RDWR)) != 0
+    if changes and counted(file):
+        threading.Thread(target=die).start() if delay else die()
+
+def torn(self, cells):
+    if counted(str(self.file)):
+        self.stream.write(b"0.0123,filling,0.0")
+        die()
+    write(self, cells)
+
+if what == "time":
+    threading.Thread(target=die, daemon=True).start()
+elif what.endswith(".csv") and count > 1:
+    forces.Table._write = torn
+elif what:
+    sys.addaudithook(hook)
+if checkpoint.is_there(folder):
+    one_run.resume(folder)
+else:
+    one_run.run(Scene.model_validate_json(scene), folder, overwrite=True, film=bool(film))
+"""
+
+
+def photographed(folder, monkeypatch):
+    """Run; copies of the folder as a death would leave it at chosen moments of writing, by what they are."""
+    copies, counts = {}, Counter()
+    moments = {  # file, what is done with it, which time
+        ("checkpoint.npz", "previous", 2): "between the two names of a checkpoint",
+        ("checkpoint.npz.part", "sync", 1): "before the first checkpoint has its name",
+        ("checkpoint.npz.part", "sync", 3): "before the last checkpoint has its name",
+        ("index.csv.part", "sync", 8): "with a snapshot that is not listed",
+        ("summary.json.part", "sync", 1): "before the summary has its name",
+        ("run.toml.part", "sync", 2): "before the end is noted",
+    }
+    replace, sync = type(folder).replace, durable.sync
+
+    def seen(file, what):
+        counts[file.name, what] += 1
+        if name := moments.get((file.name, what, counts[file.name, what])):
+            copies[name] = shutil.copytree(folder, folder.with_name(name))
+
+    def replaced(file, target):
+        replace(file, target)
+        if target.name == checkpoint.PREVIOUS:
+            seen(file, "previous")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(type(folder), "replace", replaced)
+        patch.setattr(durable, "sync", lambda file: (seen(file, "sync"), sync(file)))
+        run(SCENE, folder, film=False)
+    assert set(copies) == set(moments.values()), counts
+    return copies
+
+
+def test_whatever_write_a_death_falls_into_the_run_goes_on_to_the_same_end(tmp_path, whole, monkeypatch, tried):
+    copies = photographed(tmp_path / "run", monkeypatch)
+    first = copies.pop("before the first checkpoint has its name")
+    assert not checkpoint.is_there(first), "it had hardly begun, and begins again"
+    torn = copies["before the last checkpoint has its name"]
+    with open(torn / "forces.csv", "ab") as stream:
+        stream.write(b"0.2222,flow,0.00")
+    part = torn / "checkpoint.npz.part"
+    os.truncate(part, part.stat().st_size // 2)
+    for copy in copies.values():
+        assert_sound(copy, whole)
+        resume(copy)
+        assert_same(copy, whole)
+    tried("faults survived", "death of the process within a write", len(copies))
+
+
+KILLS, CHAIN = 50, 5
+MIDWAY = (  # what is written, up to which time of it in one process, and whether some time later
+    ("time", 1, 8.0), ("checkpoint", 60, 0.0), ("checkpoint", 12, 0.004), ("snapshots", 40, 0.0),
+    ("snapshots", 30, 0.002), ("forces.csv", 150, 0.0), ("balance.csv", 150, 0.0), ("run.toml", 3, 0.0),
+)  # fmt: skip
+LATE = (("walls.csv", 1, 0.0), ("summary.json", 3, 0.0), ("figures", 8, 0.0), ("figures", 4, 0.1), ("run.toml", 5, 0.0))
+
+
+@pytest.mark.long
+def test_fifty_kills_at_random_moments_and_writes_lose_nothing(tmp_path_factory, tried):
+    seed = random.SystemRandom().randrange(10**6)
+    rng, done, wholes = random.Random(seed), Counter(), {}
+    place = tmp_path_factory.mktemp("kills")
+    for film in ("", "film"):
+        wholes[film] = place / f"whole{film}"
+        assert kill(wholes[film], film, "", 0, 0.0) == 0
+    chain = 0
+    while sum(done.values()) < KILLS:
+        film, folder, told = "film" * (chain % 3 == 2), place / f"run{chain}", f"seed {seed}, chain {chain}"
+        chain += 1
+        wanted = [rng.choice(MIDWAY + (("void_ratio", 20, 0.001),) * 4 * bool(film)) for _ in range(CHAIN - 2)]
+        wanted += [rng.choice(LATE) for _ in range(2)]
+        for what, most, late in wanted:
+            code = kill(folder, film, what, rng.randint(2 if what.endswith(".csv") and most > 1 else 1, most),
+                        rng.uniform(2.0 if what == "time" else 0.0, late))  # fmt: skip
+            assert code in (-9, 0), told
+            done[what] += code == -9
+            if (folder / "forces.csv").exists():
+                assert_sound(folder, wholes[film])
+        code = kill(folder, film, "", 0, 0.0)
+        assert code == 0, told
+        assert_same(folder, wholes[film])
+        if film:
+            assert frames(folder) == frames(wholes[film]), told
+    print(f"seed {seed}: {dict(done)}")
+    assert sum(done.values()) - done["time"] > 0.6 * KILLS, f"seed {seed}: too few within writes: {done}"
+    tried("faults survived", "kill -9 at a random moment or within a write", sum(done.values()))
+
+
+def kill(folder, film, what, count, delay):
+    """Run until it is killed, or ends; the exit code."""
+    words = [OFTEN.model_dump_json(), str(folder), film, what, str(count), str(delay)]
+    done = subprocess.run(
+        [sys.executable, "-c", CHILD, *words], capture_output=True, text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)}, timeout=300,
+    )  # fmt: skip
+    assert done.returncode <= 0, done.stderr
+    return done.returncode
+
+
+def frames(folder):
+    """How many the film has."""
+    import imageio_ffmpeg
+
+    words = [imageio_ffmpeg.get_ffmpeg_exe(), "-i", folder / "void_ratio.mp4", "-f", "framemd5", "-"]
+    return subprocess.run(words, capture_output=True, text=True).stdout.count("\n0,")

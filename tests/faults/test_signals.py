@@ -1,0 +1,195 @@
+"""Ctrl-C and the signal to end, at every stage: an exit code, a sentence, and a run that goes on from there."""
+
+import os
+import signal
+import time
+
+import pytest
+
+from taichi_silo import archive, lock, one_run
+from taichi_silo.faults import Stopped
+from taichi_silo.observers import Observer
+from taichi_silo.one_run import resume, run
+from tests.faults.machine import command
+from tests.faults.tiny import SCENE, assert_same, assert_sound, files
+
+BOTH = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["Ctrl-C", "SIGTERM"])
+
+
+def send(number):
+    os.kill(os.getpid(), number)
+    time.sleep(0)  # Python hears it between two of its instructions
+
+
+class Sender(Observer):
+    """Sends signals after so many records of a stage, and when the run ends."""
+
+    def __init__(self, number, stage="filling", records=5, times=1, at_end=0):
+        self.number, self.stage, self.left, self.times, self.at_end = number, stage, records, times, at_end
+
+    def observe(self, record):
+        self.left -= record.stage == self.stage
+        if self.left == 0 and record.stage == self.stage:
+            for _ in range(self.times):
+                send(self.number)
+
+    def end(self):
+        for _ in range(self.at_end):
+            send(self.number)
+
+
+def stopped(number, folder, **how):
+    with pytest.raises(Stopped) as caught:
+        run(SCENE, folder, film=False, **how)
+    assert caught.value.code == 128 + number
+    assert not (folder / lock.NAME).exists()
+    return str(caught.value)
+
+
+@BOTH
+def test_while_it_compiles_nothing_has_begun_and_nothing_is_lost(number, tmp_path, whole, monkeypatch, capsys, tried):
+    begin = one_run.Simulation
+
+    def compiling(scene):
+        send(number)
+        raise AssertionError("it went on")
+
+    monkeypatch.setattr(one_run, "Simulation", compiling)
+    assert stopped(number, tmp_path / "run") == one_run.BEFORE
+    assert not files(tmp_path / "run")
+    again = tmp_path / "again"
+    with monkeypatch.context() as patch:
+        patch.setattr(one_run, "Simulation", begin)
+        stopped(number, again, extra=(Sender(number),))
+    before = {name: (again / name).read_bytes() for name in files(again)}
+    code, err = command(monkeypatch, capsys, "resume", again, "--quiet")
+    assert code == 128 + number and err.startswith("Error: stopped before the run went on; nothing has changed")
+    assert {name: (again / name).read_bytes() for name in files(again)} == before
+    stopped_over = {name: (again / name).read_bytes() for name in files(again)}
+    with pytest.raises(Stopped):
+        run(SCENE, again, film=False, overwrite=True)
+    assert {name: (again / name).read_bytes() for name in files(again)} == stopped_over, "it is not yet replaced"
+    tried("faults survived", "stopped while it compiles", 3)
+
+
+@BOTH
+@pytest.mark.parametrize("stage", ["filling", "flow"])
+@pytest.mark.parametrize("times", [1, 3], ids=["once", "three times"])
+def test_while_it_fills_or_flows(number, stage, times, tmp_path, whole, tried):
+    folder = tmp_path / "run"
+    words = stopped(number, folder, extra=(Sender(number, stage, times=times, at_end=times - 1),))
+    assert words.startswith("stopped at t = 0.") and f"({stage}, u = " in words
+    assert words.endswith(f"`taichi-silo resume {folder}` goes on from there")
+    assert {"summary.json", "walls.csv", "run.toml", "checkpoint.npz"} <= files(folder)
+    assert_sound(folder, whole)
+    resume(folder)
+    assert_same(folder, whole)
+    tried("faults survived", f"stopped while it {'fills' if stage == 'filling' else 'flows'}")
+
+
+@BOTH
+def test_while_a_checkpoint_is_written_it_is_written_whole(number, tmp_path, whole, monkeypatch, tried):
+    folder, write, count = tmp_path / "run", archive.write, 0
+
+    def interrupted(file, tree):
+        nonlocal count
+        count += 1
+        if count == 2:
+            send(number)
+        write(file, tree)
+
+    monkeypatch.setattr(archive, "write", interrupted)
+    assert "flow, u = " in stopped(number, folder), "after the filling"
+    assert_sound(folder, whole)
+    resume(folder)
+    assert_same(folder, whole)
+    tried("faults survived", "stopped while a checkpoint is written")
+
+
+@BOTH
+def test_while_figures_are_drawn_the_rest_is_there(number, tmp_path, whole, monkeypatch, tried):
+    folder = tmp_path / "run"
+
+    def drawing(self):
+        send(number)
+        raise AssertionError("it went on")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(one_run._Session, "_draw", drawing)
+        assert stopped(number, folder).startswith("stopped while the figures were drawn; all else is there")
+    assert "finished = false" in (folder / "run.toml").read_text()
+    resume(folder)
+    assert_same(folder, whole)
+    tried("faults survived", "stopped while figures are drawn")
+
+
+@BOTH
+def test_a_second_one_leaves_the_figures_out_and_nothing_else(number, tmp_path, whole, monkeypatch, tried):
+    folder, drawn = tmp_path / "run", []
+    with monkeypatch.context() as patch:
+        patch.setattr(one_run._Session, "_draw", lambda self: drawn.append(self))
+        stopped(number, folder, extra=(Sender(number),))
+        stopped(number, folder, overwrite=True, extra=(Sender(number, at_end=1),))
+        assert len(drawn) == 1
+        stopped(number, folder, overwrite=True, extra=(Sender(number, records=-1, at_end=1),))
+        assert len(drawn) == 1
+    resume(folder)
+    assert_same(folder, whole)
+    tried("faults survived", "stopped once more while it puts its files in order", 2)
+
+
+# --- others -----------------------------------------------------------------------------------------------------------
+
+
+class Runner:
+    """A run that says that it runs, and goes on until it is let go."""
+
+    def __init__(self, scene, folder, film, extra):
+        self.folder = folder
+
+    def go(self, stops):
+        (self.folder / "run.toml").write_text("")
+        os.write(Runner.says, b"R")
+        os.read(Runner.waits, 1)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="it takes processes that start at one instant")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_of_eight_that_start_at_one_instant_exactly_one_runs(quick, tmp_path, monkeypatch, tried):
+    monkeypatch.setattr(one_run, "_Session", Runner)
+    rounds, processes = 25, 8
+    for number in range(rounds):
+        folder = tmp_path / f"run{number}"
+        heard, Runner.says = os.pipe()
+        Runner.waits, let_go = os.pipe()
+        gate, open_gate = os.pipe()
+        children = []
+        for _ in range(processes):
+            child = os.fork()
+            if child == 0:
+                said = b"W"  # wrong
+                try:
+                    os.close(open_gate)
+                    os.close(let_go)
+                    os.read(gate, 1)
+                    run(SCENE, folder, film=False)
+                    said = b""
+                except one_run.BadInput as error:
+                    busy = ("in use by another run", "holds a run already")
+                    said = b"B" if any(words in str(error) for words in busy) else b"W"
+                finally:
+                    os.write(Runner.says, said)
+                    os._exit(0)
+            children.append(child)
+        os.close(open_gate)
+        told = b""
+        while len(told) < processes:
+            told += os.read(heard, 1)
+        os.close(let_go)
+        for child in children:
+            os.waitpid(child, 0)
+        for end in (heard, Runner.says, Runner.waits, gate):
+            os.close(end)
+        assert sorted(told.decode()) == [*"B" * (processes - 1), "R"], told
+        assert not (folder / lock.NAME).exists()
+    tried("faults survived", "eight runs of one folder starting at one instant", rounds)
