@@ -4,7 +4,7 @@ from taichi_silo.alarms import points as of_points
 from taichi_silo.alarms import records as of_records
 from taichi_silo.observers import Observer
 
-EVERY_PERIODS = 4  # of the column, between two looks at all points
+EVERY_PERIODS = 10  # of the column, between two looks at all points
 OF_RECORDS = (
     of_records.TimeStep, of_records.Speed, of_records.Density, of_records.Separation, of_records.Balance,
     of_records.Energy, of_records.Motion,

@@ -16,7 +16,7 @@ def bare():
 
 def test_a_silo_that_is_emptied_by_gravity_fills_again_bit_by_bit_alike(tried):
     runtime.init()
-    found = endurance.refill(cell_size_m=0.02, cycles=2)
+    found = endurance.refill(cycles=2)
     assert found["points left, at most"] == 0 and found["fills alike bit by bit"]
     assert found["error of the books / mass"] < 1e-12 and found["largest balance residual / W"] < 1e-9
     tried("loads held", "silo emptied to the last point and filled again", found["fills"])

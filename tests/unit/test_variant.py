@@ -134,7 +134,7 @@ class TestRatcheting:
         arrays = simulation.particles.arrays()
         simulation.particles.load(arrays | {"volume": arrays["volume"] * (1.0 - loss / 1.6)})
         record = next(simulation.fill())
-        for _ in range(80):
+        for _ in range(200):
             guard.observe(record)
         return simulation.warnings
 
