@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 from taichi_silo.faults import BadInput, RunFailed, Stopped
+from taichi_silo.quoting import sentence as in_one_line
 from taichi_silo.table import one_sentence
 from taichi_silo.voice import Voice
 
@@ -82,6 +83,7 @@ def _bad_flag(error: typer.BadParameter) -> str:
 
 
 def _stop(sentence: str, code: int) -> None:
+    sentence = in_one_line(sentence)
     print(f"Error: {sentence}{'' if sentence.endswith('?') else '.'}", file=sys.stderr)
     sys.exit(code)
 

@@ -1,8 +1,13 @@
 """The ways in which a run says no, or that it was told to stop."""
 
+from taichi_silo.quoting import sentence
+
 
 class BadInput(ValueError):
-    """What the user asked for is not possible; nothing has been done or written."""
+    """What the user asked for is not possible; nothing has been done or written. It is said on one short line."""
+
+    def __init__(self, words: str):
+        super().__init__(sentence(words))
 
 
 class RunFailed(RuntimeError):

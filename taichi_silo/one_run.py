@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from taichi_silo import archive, lock, state
 from taichi_silo import folder as run_folder
-from taichi_silo import lock, state
 from taichi_silo.faults import BadInput, Stopped
 from taichi_silo.observers import Observer, checkpoint
 from taichi_silo.observers.checkpoint import Checkpoint
@@ -86,9 +86,11 @@ def resume(folder: Path, *, threads: int | None = None, film: bool | None = None
     if not checkpoint.is_there(folder):
         what = "holds no checkpoint to go on from" if folder.is_dir() else "does not exist"
         raise BadInput(f"folder is {folder}; it must be that of a run that was begun, but it {what}")
-    with lock.held(run_folder.writable(folder)):
-        kept, words = checkpoint.latest(folder)
-        scene, drawn = checkpoint.scene_of(kept, threads), "film" in kept["observers"]
+    with lock.held(run_folder.own(folder)):
+        with archive.understood(folder):
+            kept, words = checkpoint.latest(folder)
+            scene, drawn = checkpoint.scene_of(kept, threads), "film" in kept["observers"]
+        run_folder.same_scene(folder, scene)
         if film and not drawn:
             raise BadInput(f"film is asked for; the run in {folder} was begun without, and its beginning is gone")
         scene.machine.start()
@@ -111,7 +113,8 @@ class _Session:
         self.folder, self.kept = folder, kept
         self.simulation = Simulation(scene)
         if kept:
-            state.restore(self.simulation, kept["simulation"])
+            with archive.understood(folder):
+                state.restore(self.simulation, kept["simulation"])
         self.simulation.warnings += words
         last, free = scene.flow.displacement_m, scene.flow.outflow == "gravity"
         figured = [share * last for share in FIGURE_SHARES] if free else FIGURE_DISPLACEMENTS_M
@@ -158,7 +161,8 @@ class _Session:
         if self.kept is None:
             observer.begin(self.simulation)
         else:
-            observer.restore(self.simulation, self.kept["observers"].get(name, {}))
+            with archive.understood(self.folder):
+                observer.restore(self.simulation, self.kept["observers"].get(name, {}))
 
     def _simulate(self, observers, check) -> None:
         """Fill and flow, as far as that is not done yet."""

@@ -82,4 +82,6 @@ def _restore_lanes(simulation, kept: dict | None) -> None:
     lanes.sorted = (-1, 0.0)
     if kept:
         lanes.sorted = tuple(kept["sorted"])
+        if not ((kept["order"] >= 0) & (kept["order"] <= lanes.particles.count)).all():
+            raise ValueError("the order names points that are not there")
         lanes.particles.order.from_numpy(kept["order"])

@@ -6,6 +6,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from taichi_silo.faults import BadInput
+from taichi_silo.folder import no_link
 from taichi_silo.gallery.runs import Entry, entry, folders
 
 PAGE = "index.html"
@@ -46,6 +47,7 @@ def write(entries: list[Entry], page: Path, title: str) -> Path:
         entries=entries, title=title, version=version("taichi-silo")
     )
     passing = page / f"{PAGE}.part"
+    no_link(page / PAGE, passing)
     passing.write_text(text, encoding="utf-8")
     passing.replace(page / PAGE)
     return page / PAGE

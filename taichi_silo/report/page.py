@@ -7,9 +7,9 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup
 
-from taichi_silo import sands
+from taichi_silo import reading, sands
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE
+from taichi_silo.folder import MADE, no_link
 from taichi_silo.plots import plot_run
 from taichi_silo.plots.run_files import RunFiles
 from taichi_silo.report import media, tables
@@ -59,15 +59,18 @@ def write_report(folder: Path, file: Path | None = None) -> Path:
 
     """
     run = read_run(folder)
-    if not run.summary or not list((run.folder / "figures").glob("*.png")):
-        _draw(run.folder)
-    file = run.folder / "report.html" if file is None else Path(file).expanduser()
+    file = run.folder / "report.html" if file is None else reading.place(file, "output")
     if file.is_dir():
         raise BadInput(f"output is {file}, a folder; it must be a file, such as {file / 'report.html'}")
     temporary = file.with_name(file.name + ".part")
+    no_link(file, temporary)
+    with reading.as_left(run.folder):
+        if not run.summary or not list((run.folder / "figures").glob("*.png")):
+            _draw(run.folder)
+        text = page(run)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_text(page(run), encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8")
         temporary.replace(file)
     except OSError as error:
         raise BadInput(f"output {file} cannot be written: {error.strerror or error}") from error
@@ -83,7 +86,7 @@ def read_run(folder: Path) -> RunFiles:
         if there is none, or it holds no run of a silo.
 
     """
-    folder = Path(folder).expanduser()
+    folder = reading.place(folder, "folder")
     if not folder.is_dir():
         raise BadInput(f"folder is {folder}; it must be the folder of a run, and there is no such folder")
     if not (folder / MADE).is_file():
@@ -102,6 +105,7 @@ def read_run(folder: Path) -> RunFiles:
 
 def _draw(folder: Path) -> None:
     """The figures of a run that goes on, or ended before it could draw them, where the folder can be written."""
+    no_link(folder / "figures", *(folder / "figures").glob("*"))
     try:
         plot_run(folder)
     except OSError:
