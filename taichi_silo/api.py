@@ -31,7 +31,7 @@ def checked(scene: Scene | dict) -> Scene:
 
     """
     if not isinstance(scene, Scene | dict):
-        raise BadInput(f"scene is {shown(scene)}; it must be a Scene, or a dictionary of its tables")
+        raise BadInput(f"scene is {shown(scene)}; it must be a Scene, or its tables")
     try:
         return scene_of(scene) if isinstance(scene, dict) else Scene.model_validate(scene.model_dump(warnings=False))
     except ValidationError as error:

@@ -24,7 +24,7 @@ __all__ = ["Hopper", "Insert", "Outlet", "Silo"]
 class Outlet(Table):
     """An opening of the flat floor; without it the whole floor is the outlet."""
 
-    width_m: float = Field(gt=0, le=1000, description="of the opening")
+    width_m: float = Field(ge=1e-4, le=1000, description="of the opening")
     position: Literal["centre", "left", "right"] | float = Field(
         "centre", description="in the floor: centre | left | right, or x of its middle [m]"
     )
@@ -34,7 +34,7 @@ class Hopper(Table):
     """Walls that converge towards an outlet, which is as wide as their lower ends are apart."""
 
     half_angle_deg: float = Field(ge=0.1, lt=80, description="of the walls, from the vertical")
-    outlet_width_m: float = Field(gt=0, le=1000, description="of the opening between their lower ends")
+    outlet_width_m: float = Field(ge=1e-4, le=1000, description="of the opening between their lower ends")
     friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="that of the side walls if absent")
 
 
