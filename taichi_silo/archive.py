@@ -88,6 +88,21 @@ def understood(folder: Path) -> Iterator[None]:
         raise BadInput(f"{folder} cannot be resumed: its checkpoint holds what no run keeps") from error
 
 
+def need(tree: dict, *paths: str) -> None:
+    """Refuse a tree that has nothing at one of some dotted paths.
+
+    Raises
+    ------
+    LookupError, TypeError
+        at the first of them.
+
+    """
+    for path in paths:
+        here = tree
+        for name in path.split("."):
+            here = here[name]
+
+
 def _of_other_format(file: Path, header: dict) -> str:
     written = f"format {shown(header['format'])}" if "format" in header else "an earlier version"
     return f"{file} is of {written}; this version of taichi-silo goes on from format {FORMAT}"

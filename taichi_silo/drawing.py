@@ -44,8 +44,7 @@ def read_silo(file: Path, unit: str | None = None) -> Silo:
     try:
         drawing = ezdxf.readfile(file)
     except Exception as error:  # noqa: BLE001 - a damaged file makes its readers say anything
-        known = isinstance(error, OSError | ezdxf.DXFError)
-        raise BadInput(f"{file} cannot be read as a DXF drawing: {error if known else 'it is damaged'}") from error
+        raise BadInput(f"{file} cannot be read as a DXF drawing: it is none, or damaged") from error
     unit = unit or OF_DRAWING.get(drawing.header.get("$INSUNITS", 0))
     if unit not in UNITS_M:
         raise BadInput(f"unit is {shown(unit)}; the drawing says none, so it must be given: {', '.join(UNITS_M)}")

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from taichi_silo import archive, lock, state
+from taichi_silo import archive, lock, reading, state
 from taichi_silo import folder as run_folder
 from taichi_silo.faults import BadInput, Stopped
 from taichi_silo.observers import Observer, checkpoint
@@ -80,7 +80,7 @@ def resume(folder: Path, *, threads: int | None = None, film: bool | None = None
         as `run`.
 
     """
-    folder = folder.expanduser()
+    folder = reading.place(folder, "folder")
     if run_folder.finished(folder):
         return folder
     if not checkpoint.is_there(folder):
@@ -89,6 +89,7 @@ def resume(folder: Path, *, threads: int | None = None, film: bool | None = None
     with lock.held(run_folder.own(folder)):
         with archive.understood(folder):
             kept, words = checkpoint.latest(folder)
+            archive.need(kept, "run.filled", "run.resumed", "run.wall_seconds", "observers.forces", "simulation.points")
             scene, drawn = checkpoint.scene_of(kept, threads), "film" in kept["observers"]
         run_folder.same_scene(folder, scene)
         if film and not drawn:

@@ -136,6 +136,7 @@ def _step(table, name: str, change: str):
 def _value(text: str):
     """A value as TOML writes it; a word without quotes is a text."""
     try:
-        return reading.parsed(f"value = {text}")["value"]
+        found = reading.parsed(f"value = {text}")
     except ValueError:
         return text
+    return found["value"] if len(found) == 1 else text

@@ -46,8 +46,8 @@ def restore(simulation, kept: dict) -> None:
     """Put it back into a simulation of the same scene that has not been begun."""
     particles, points, clock = simulation.particles, dict(kept["points"]), dict(kept["clock"])
     loads = clock.pop("loads")
-    for name, value in clock.items():
-        setattr(simulation, name, value)
+    for name in CLOCK:
+        setattr(simulation, name, clock[name])
     simulation.filling = filling.Progress(**kept["filling"])
     simulation.warnings = list(dict.fromkeys([*kept["warnings"], *simulation.warnings]))
     simulation.after = SimpleNamespace(**kept["after"]) if kept["after"] else None

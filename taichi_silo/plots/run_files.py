@@ -184,7 +184,11 @@ class RunFiles:
 
     def read_snapshot(self, file: str):
         """Return points (n, 2) [m], void ratio (n,) and side (n,) [m] of the square each point stands for."""
-        places, arrays = vtu.read(self.folder / "snapshots" / file)
+        path = self.folder / "snapshots" / Path(file).name  # no way out of the folder
+        try:
+            places, arrays = vtu.read(path)
+        except Exception as error:  # noqa: BLE001 - whatever a broken file makes of a parser
+            raise BadInput(f"snapshot {path} cannot be read; it is missing or damaged") from error
         void_ratio, volume = (arrays[name].astype(float) for name in ("void_ratio", "volume_m2_per_m"))
         finite = np.isfinite(places).all(axis=1) & np.isfinite(void_ratio) & (volume > 0.0)
         return places[finite, :2], void_ratio[finite], np.sqrt(volume[finite])

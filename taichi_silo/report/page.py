@@ -2,6 +2,7 @@
 
 import datetime
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import jinja2
@@ -66,7 +67,7 @@ def write_report(folder: Path, file: Path | None = None) -> Path:
     no_link(file, temporary)
     with reading.as_left(run.folder):
         if not run.summary or not list((run.folder / "figures").glob("*.png")):
-            _draw(run.folder)
+            run = replace(run, trouble=(*run.trouble, *_draw(run.folder)))
         text = page(run)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -103,13 +104,22 @@ def read_run(folder: Path) -> RunFiles:
     return run
 
 
-def _draw(folder: Path) -> None:
-    """The figures of a run that goes on, or ended before it could draw them, where the folder can be written."""
+def _draw(folder: Path) -> list[str]:
+    """The figures of a run that goes on, or ended before it could draw them, where the folder can be written.
+
+    Returns
+    -------
+    A sentence if its files are too damaged for that.
+
+    """
     no_link(folder / "figures", *(folder / "figures").glob("*"))
     try:
         plot_run(folder)
     except OSError:
-        return
+        return []
+    except BadInput as error:
+        return [f"Figures are missing: {error}."]
+    return []
 
 
 def page(run: RunFiles) -> str:
