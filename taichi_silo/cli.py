@@ -14,6 +14,7 @@ from rich.table import Table
 
 from taichi_silo.faults import BadInput, RunFailed, Stopped
 from taichi_silo.quoting import sentence as in_one_line
+from taichi_silo.reading import place
 from taichi_silo.table import one_sentence
 from taichi_silo.voice import Voice
 
@@ -100,6 +101,7 @@ def print_or_write(text: str, output: Path | None) -> None:
     if output is None:
         print(text, end="")
         return
+    output = place(output, "output")
     if output.exists():
         raise BadInput(f"output {output} is there already; give another name")
     try:

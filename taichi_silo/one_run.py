@@ -89,7 +89,8 @@ def resume(folder: Path, *, threads: int | None = None, film: bool | None = None
     with lock.held(run_folder.own(folder)):
         with archive.understood(folder):
             kept, words = checkpoint.latest(folder)
-            archive.need(kept, "run.filled", "run.resumed", "run.wall_seconds", "observers.forces", "simulation.points")
+            archive.need(kept, "run.filled", "run.resumed", "run.wall_seconds", "observers.forces", "simulation.points",
+                         "simulation.clock.time")  # fmt: skip
             scene, drawn = checkpoint.scene_of(kept, threads), "film" in kept["observers"]
         run_folder.same_scene(folder, scene)
         if film and not drawn:
