@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from taichi_silo import reading, sands
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE, no_link
+from taichi_silo.folder import MADE, no_link, writable
 from taichi_silo.plots import plot_run
 from taichi_silo.plots.run_files import RunFiles
 from taichi_silo.report import media, tables
@@ -65,12 +65,12 @@ def write_report(folder: Path, file: Path | None = None) -> Path:
         raise BadInput(f"output is {file}, a folder; it must be a file, such as {file / 'report.html'}")
     temporary = file.with_name(file.name + ".part")
     no_link(file, temporary)
+    writable(file.parent)
     with reading.as_left(run.folder):
         if not run.summary or not list((run.folder / "figures").glob("*.png")):
             run = replace(run, trouble=(*run.trouble, *_draw(run.folder)))
         text = page(run)
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
         temporary.write_text(text, encoding="utf-8")
         temporary.replace(file)
     except OSError as error:

@@ -207,7 +207,7 @@ def test_commands_refuse_outputs_where_nothing_can_be_written(left, tmp_path, mo
     (tmp_path / "file").write_text("in the way")
     monkeypatch.chdir(tmp_path)
     before, count = contents(tmp_path), 0
-    for output in (tmp_path / "file" / "x", Path("x" * 300) / "y", Path("/dev/null/x")):
+    for output in (tmp_path / "file" / "x", Path("x" * 300) / "y"):
         for words in (
             ("report", left, "--output", output.with_suffix(".html")), ("export", left, "--output", output),
             ("export", left, "--format", "csv", "--output", output), ("compare", left, "--janssen", "--output", output),
