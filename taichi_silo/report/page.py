@@ -22,6 +22,7 @@ from taichi_silo.report.parameters import parameter_tables
 from taichi_silo.report.story import story
 from taichi_silo.report.trust import verdict
 from taichi_silo.report.words import count, kN, mm, number, plain
+from taichi_silo.scene_file import read_scene
 
 FILM = "void_ratio.mp4"
 FIGURES = {  # name: (what it shows, for those who cannot see it; a caption)
@@ -101,6 +102,7 @@ def read_run(folder: Path) -> RunFiles:
         run.silo  # noqa: B018 - checks it
     except ValueError as error:
         raise BadInput(f"folder is {folder}; the silo in its {MADE} is not possible") from error
+    read_scene(folder / MADE, threads=1)  # so that no value is of another kind
     return run
 
 
