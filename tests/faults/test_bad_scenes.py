@@ -250,6 +250,8 @@ SETTINGS = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow, He
 def changed(changes):
     tables = copy.deepcopy(SMALL)
     for path, value in changes:
+        if not isinstance(tables["silo"], dict):
+            return tables
         for before, table in OPTIONAL.items():
             name = before.split(".")[1].removesuffix("[]")
             if f"{path}.".startswith(before) and not isinstance(tables["silo"].get(name), dict | list):
