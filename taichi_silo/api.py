@@ -3,19 +3,49 @@
 import os
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from taichi_silo import one_run
+from taichi_silo.faults import BadInput
 from taichi_silo.folder import free_name
+from taichi_silo.observers import Observer
 from taichi_silo.observers.progress import ProgressLine
+from taichi_silo.quoting import shown
+from taichi_silo.reading import place
 from taichi_silo.result import Result
 from taichi_silo.sands import sand as named_sand
 from taichi_silo.scene import Scene
-from taichi_silo.scene_file import read_scene
+from taichi_silo.scene_file import read_scene, scene_of
+from taichi_silo.table import one_sentence
 
 __all__ = ["named_sand", "read_scene", "resume", "run"]
 
 
+def checked(scene: Scene | dict) -> Scene:
+    """A scene as its types allow it, also one that was made by changing parts of another, which are then unchecked.
+
+    Raises
+    ------
+    BadInput
+        if it is not possible, or no scene.
+
+    """
+    if not isinstance(scene, Scene | dict):
+        raise BadInput(f"scene is {shown(scene)}; it must be a Scene, or its tables")
+    try:
+        return scene_of(scene) if isinstance(scene, dict) else Scene.model_validate(scene.model_dump(warnings=False))
+    except ValidationError as error:
+        raise BadInput(one_sentence(error)) from error
+
+
+def _observing(extra: tuple) -> None:
+    for one in extra:
+        if not isinstance(one, Observer):
+            raise BadInput(f"extra is {shown(one)}; it must be observers, see taichi_silo.observers.Observer")
+
+
 def run(
-    scene: Scene,
+    scene: Scene | dict,
     folder: str | os.PathLike | None = None,
     *,
     overwrite: bool = False,
@@ -27,7 +57,7 @@ def run(
 
     Parameters
     ----------
-    scene : what to simulate.
+    scene : what to simulate, or its tables as a scene file has them.
     folder : where to leave it; the first free one of outputs/run, outputs/run-2, ... if not given.
     overwrite : replace a run that is there.
     film : draw the film.
@@ -41,15 +71,17 @@ def run(
     Raises
     ------
     BadInput
-        before any work, if the folder or the processor cannot be used.
+        before any work, if the scene is not possible, or the folder or the processor cannot be used.
     RunFailed
         if the run went wrong; the folder then holds everything up to that time.
     Stopped
         if Ctrl-C or the signal to end asked for it; `resume` goes on from there.
 
     """
-    where = Path(folder) if folder is not None else free_name(Path("outputs") / "run")
+    scene = checked(scene)
+    where = place(folder, "folder") if folder is not None else free_name(Path("outputs") / "run")
     lines = (ProgressLine(),) if progress else ()
+    _observing(extra)
     return Result(one_run.run(scene, where, overwrite=overwrite, film=film, extra=(*extra, *lines)))
 
 
@@ -84,4 +116,5 @@ def resume(
 
     """
     lines = (ProgressLine(),) if progress else ()
-    return Result(one_run.resume(Path(folder), threads=threads, film=film, extra=(*extra, *lines)))
+    _observing(extra)
+    return Result(one_run.resume(place(folder, "folder"), threads=threads, film=film, extra=(*extra, *lines)))

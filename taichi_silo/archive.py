@@ -5,15 +5,21 @@ The file is a `.npz` without pickled objects: `header` (JSON: format, version of
 by bit.
 """
 
+import contextlib
 import hashlib
 import json
+import math
+import zipfile
+from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
 from taichi_silo.faults import BadInput
+from taichi_silo.quoting import shown
 
+MISFITS = (ArithmeticError, AssertionError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 FORMAT = 2  # of what is kept; a file of another one is refused
 
 
@@ -43,30 +49,95 @@ def read(file: Path) -> tuple[dict, dict]:
         if it is of another format.
 
     """
-    header, content, arrays = {}, "", {}
+    file = Path(file)
+    size = file.stat().st_size
     try:
-        with np.load(file, allow_pickle=False) as stored:
-            header = dict(json.loads(str(stored["header"])))
-            if header.get("format") == FORMAT:
-                content = str(stored["content"])
-                arrays = {name: stored[name] for name in stored.files if name not in ("header", "content")}
-    except FileNotFoundError:
+        if not file.is_file():
+            raise Damaged("it is no file")
+        with zipfile.ZipFile(file) as stored:
+            members = _members(stored, size)
+            header = dict(json.loads(str(_array(stored, members.pop("header")))))
+            if header.get("format") != FORMAT:
+                raise BadInput(_of_other_format(file, header))
+            content = str(_array(stored, members.pop("content")))
+            arrays = {name: _array(stored, member) for name, member in members.items()}
+        if _checksum(content, arrays) != header.get("sha256"):
+            raise Damaged("its checksum does not fit")
+        return header, _whole(json.loads(content), arrays)
+    except (BadInput, Damaged):
         raise
     except Exception as error:  # noqa: BLE001 - a damaged file makes its readers say anything
         raise Damaged(f"it cannot be read: {error or type(error).__name__}") from error
-    if header.get("format") != FORMAT:
-        written = f"format {header['format']}" if "format" in header else "an earlier version"
-        raise BadInput(f"{file} is of {written}; this version of taichi-silo goes on from format {FORMAT}")
-    if _checksum(content, arrays) != header.get("sha256"):
-        raise Damaged("its checksum does not fit")
-    tree = json.loads(content)
+
+
+@contextlib.contextmanager
+def understood(folder: Path) -> Iterator[None]:
+    """Refuse to go on from a checkpoint that is whole but holds what no run keeps.
+
+    Raises
+    ------
+    BadInput
+        instead of what a value of a wrong kind makes of the code that uses it.
+
+    """
+    try:
+        yield
+    except BadInput:
+        raise
+    except MISFITS as error:
+        raise BadInput(f"{folder} cannot be resumed: its checkpoint holds what no run keeps") from error
+
+
+def need(tree: dict, *paths: str) -> None:
+    """Refuse a tree that has nothing at one of some dotted paths.
+
+    Raises
+    ------
+    LookupError, TypeError
+        at the first of them.
+
+    """
+    for path in paths:
+        here = tree
+        for name in path.split("."):
+            here = here[name]
+
+
+def _of_other_format(file: Path, header: dict) -> str:
+    written = f"format {shown(header['format'])}" if "format" in header else "an earlier version"
+    return f"{file} is of {written}; this version of taichi-silo goes on from format {FORMAT}"
+
+
+def _members(stored: zipfile.ZipFile, size: int) -> dict[str, zipfile.ZipInfo]:
+    """The members by name, of which none is packed, and which all together are no longer than the file."""
+    members = stored.infolist()
+    if any(one.compress_type != zipfile.ZIP_STORED for one in members):
+        raise Damaged("it is packed")
+    if sum(one.file_size for one in members) > size:
+        raise Damaged("it promises more than it holds")
+    return {one.filename.removesuffix(".npy"): one for one in members}
+
+
+def _array(stored: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
+    """An array in numpy's own form; no more room is made for it than it has bytes, and no object is unpacked."""
+    form = np.lib.format
+    readers = {(1, 0): form.read_array_header_1_0, (2, 0): form.read_array_header_2_0}
+    with stored.open(member) as stream:
+        shape, by_columns, kind = readers[form.read_magic(stream)](stream)
+        if kind.hasobject or math.prod(shape) * kind.itemsize != member.file_size - stream.tell():
+            raise Damaged("an array is not as long as it says")
+        return np.ndarray(shape, kind, stream.read(), order="F" if by_columns else "C").copy()
+
+
+def _whole(tree: dict, arrays: dict[str, np.ndarray]) -> dict:
+    """The tree, its arrays put back in their places."""
     for path, values in arrays.items():
         *names, last = path.split("/")
-        place = tree
+        here = tree
         for name in names:
-            place = place[name]
-        place[last] = values
-    return header, tree
+            here = here[name]
+        here[last] = values
+    return tree
 
 
 def _without_arrays(tree: dict, path: str, arrays: dict) -> dict:

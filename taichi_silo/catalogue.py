@@ -1,10 +1,10 @@
 """The scenario scripts, wherever the package is installed: beside it in a checkout, inside it elsewhere."""
 
 import ast
-import difflib
 from pathlib import Path
 
 from taichi_silo.faults import BadInput
+from taichi_silo.quoting import near, shown
 
 PACKAGE = Path(__file__).parent
 
@@ -37,7 +37,7 @@ def script(name: str) -> Path:
     known = {file.stem: file for file in folder().glob("*.py")}
     wanted = name.replace("-", "_")
     if wanted not in known:
-        near = difflib.get_close_matches(wanted, known, 1)
-        hint = f"did you mean {near[0]}" if near else f"the scenarios are {', '.join(sorted(known))}"
-        raise BadInput(f"scenario is {name}; it must be a TOML file or a scenario: {hint}")
+        meant = near(wanted, known)
+        hint = f"did you mean {meant}" if meant else f"the scenarios are {', '.join(sorted(known))}"
+        raise BadInput(f"scenario is {shown(name)}; it must be a TOML file or a scenario: {hint}")
     return known[wanted]

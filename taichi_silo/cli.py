@@ -13,6 +13,8 @@ from rich.console import Console
 from rich.table import Table
 
 from taichi_silo.faults import BadInput, MachineFailed, RunFailed, Stopped, of_machine
+from taichi_silo.quoting import sentence as in_one_line
+from taichi_silo.reading import place
 from taichi_silo.table import one_sentence
 from taichi_silo.voice import Voice
 
@@ -88,6 +90,7 @@ def _bad_flag(error: typer.BadParameter) -> str:
 
 
 def _stop(sentence: str, code: int) -> None:
+    sentence = in_one_line(sentence)
     print(f"Error: {sentence}{'' if sentence.endswith('?') else '.'}", file=sys.stderr)
     sys.exit(code)
 
@@ -104,6 +107,7 @@ def print_or_write(text: str, output: Path | None) -> None:
     if output is None:
         print(text, end="")
         return
+    output = place(output, "output")
     if output.exists():
         raise BadInput(f"output {output} is there already; give another name")
     try:

@@ -1,16 +1,19 @@
 """A silo from a DXF drawing: its largest closed line is the inside, closed lines within are bodies."""
 
+import itertools
 from pathlib import Path
 
 import numpy as np
 
-from taichi_silo import outline
+from taichi_silo import outline, reading
 from taichi_silo.faults import BadInput
-from taichi_silo.vessel import Insert, Silo
+from taichi_silo.quoting import shown
+from taichi_silo.vessel import MOST_INSERTS, Insert, Silo
 
 UNITS_M = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
 OF_DRAWING = {1: "in", 4: "mm", 5: "cm", 6: "m"}  # codes of the header's $INSUNITS
 ARC_M = 1e-3  # largest distance of a curve from the corners that stand for it
+LARGEST = 50_000_000  # bytes of a file
 DIGITS = 7  # of corners, in metres
 
 
@@ -37,20 +40,23 @@ def read_silo(file: Path, unit: str | None = None) -> Silo:
         from ezdxf.path import make_path
     except ImportError as error:
         raise BadInput("reading drawings needs ezdxf: install taichi-silo[drawings]") from error
+    reading.content(file, "a DXF drawing", LARGEST)
     try:
         drawing = ezdxf.readfile(file)
-    except (OSError, UnicodeDecodeError, ezdxf.DXFError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise BadInput(f"{file} cannot be read as a DXF drawing: {why}") from error
+    except Exception as error:  # noqa: BLE001 - a damaged file makes its readers say anything
+        raise BadInput(f"{file} cannot be read as a DXF drawing: it is none, or damaged") from error
     unit = unit or OF_DRAWING.get(drawing.header.get("$INSUNITS", 0))
     if unit not in UNITS_M:
-        raise BadInput(f"unit is {unit}; the drawing says none, so it must be given: {', '.join(UNITS_M)}")
+        raise BadInput(f"unit is {shown(unit)}; the drawing says none, so it must be given: {', '.join(UNITS_M)}")
     scale, found = UNITS_M[unit], []
     for entity in drawing.modelspace().query("LWPOLYLINE POLYLINE CIRCLE ELLIPSE SPLINE"):
-        path = make_path(entity)
-        if path.is_closed:
-            corners = [(scale * place.x, scale * place.y) for place in path.flattening(ARC_M / scale)]
-            found.append(_without_repeats(np.array(corners)))
+        corners = _corners(entity, make_path, scale)
+        if len(corners) > outline.MOST_CORNERS:
+            raise BadInput(f"{file} has a line of more than {outline.MOST_CORNERS} corners; draw it with fewer")
+        if len(corners) > 2:
+            found.append(corners)
+    if len(found) > MOST_INSERTS + 1:
+        raise BadInput(f"{file} holds {len(found)} closed lines; a silo has at most {MOST_INSERTS} inserts")
     if not found:
         raise BadInput(f"{file} holds no closed line; the silo's inside must be a closed polyline")
     found.sort(key=lambda corners: -outline.area(corners))
@@ -58,6 +64,18 @@ def read_silo(file: Path, unit: str | None = None) -> Silo:
     origin = inside.min(axis=0)
     inserts = tuple(Insert.polygon(np.round(body - origin, DIGITS)) for body in bodies)
     return Silo.polygon(np.round(inside - origin, DIGITS), inserts=inserts)
+
+
+def _corners(entity, make_path, scale: float) -> np.ndarray:
+    """Of a closed line, as far as they are not too many; none of one that is not closed, or has no places."""
+    try:
+        path = make_path(entity)
+        if not path.is_closed or not np.isfinite([tuple(place) for place in path.control_vertices()]).all():
+            return np.zeros((0, 2))
+        places = itertools.islice(path.flattening(ARC_M / scale), outline.MOST_CORNERS + 2)
+        return _without_repeats(np.array([(scale * place.x, scale * place.y) for place in places]))
+    except (ArithmeticError, LookupError, TypeError, ValueError):  # of an entity that is none
+        return np.zeros((0, 2))
 
 
 def _without_repeats(corners: np.ndarray) -> np.ndarray:

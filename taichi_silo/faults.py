@@ -4,6 +4,8 @@ import errno
 import os
 from pathlib import Path
 
+from taichi_silo.quoting import sentence
+
 REMEDIES = {
     errno.ENOSPC: "free some space",
     errno.EDQUOT: "free some of the space that you may use",
@@ -20,7 +22,10 @@ NO_MEMORY = ("memory has run out", "leave it more memory, or give it larger cell
 
 
 class BadInput(ValueError):
-    """What the user asked for is not possible; nothing has been done or written."""
+    """What the user asked for is not possible; nothing has been done or written. It is said on one short line."""
+
+    def __init__(self, words: str):
+        super().__init__(sentence(words))
 
 
 class RunFailed(RuntimeError):

@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from taichi_silo import snapshot
+from taichi_silo import reading, snapshot
 from taichi_silo.faults import BadInput
 from taichi_silo.folder import MADE
 from taichi_silo.scene import Scene
 from taichi_silo.scene_file import read_scene
+
+WORDS = ("file", "stage")  # columns without numbers
 
 
 @dataclass(frozen=True)
@@ -42,19 +44,21 @@ class History:
             if the folder holds no run of a silo, or one without snapshots.
 
         """
-        folder = Path(folder).expanduser()
+        folder = reading.place(folder, "folder")
         if not (folder / MADE).is_file():
             raise BadInput(f"folder is {folder}; it must be that of a run, with {MADE} in it")
         index = _table(folder / "snapshots" / "index.csv", ["file", "stage", "time_s", "displacement_m"])
-        there = np.array([(folder / "snapshots" / str(file)).is_file() for file in index["file"]], bool)
-        index = index[there].sort_values("time_s", kind="stable").drop_duplicates("time_s", keep="last")
+        there = [file == Path(file).name and (folder / "snapshots" / file).is_file() for file in index["file"]]
+        index = index[np.array(there, bool)].sort_values("time_s", kind="stable").drop_duplicates("time_s", keep="last")
         if index.empty:
             raise BadInput(f"folder {folder} has no snapshots; it must be that of a run that has begun")
+        if "filling" not in index["stage"].to_list():
+            raise BadInput(f"folder {folder} has no snapshot of the filling; it must be that of a run")
         sides = [f"{side}_{part}_N_per_m" for part in ("shear", "normal") for side in ("left", "right")]
         forces = _table(folder / "forces.csv", ["stage", "time_s", "displacement_m", "bottom_force_N_per_m", *sides])
         means = {name: forces[sides[k : k + 2]].mean(axis=1) for name, k in (("T", 0), ("N", 2))}
         forces = forces.assign(P=forces["bottom_force_N_per_m"], **means)
-        return cls(folder, read_scene(folder / MADE), index.reset_index(drop=True), forces)
+        return cls(folder, read_scene(folder / MADE, threads=1), index.reset_index(drop=True), forces)
 
     def state(self, number: int) -> dict[str, np.ndarray]:
         """The points of a row of the index, as `Simulation.points` gives them."""
@@ -94,11 +98,12 @@ class History:
 
 def _table(file: Path, columns: list[str]) -> pd.DataFrame:
     """A table, its whole rows only; empty if the file is not there."""
-    try:
-        found = pd.read_csv(file, on_bad_lines="skip")
-    except (OSError, pd.errors.EmptyDataError):
+    found = reading.frame(file) if file.exists() else pd.DataFrame()
+    if not len(found.columns):
         return pd.DataFrame(columns=columns)
     lacking = [name for name in columns if name not in found]
     if lacking:
         raise BadInput(f"file {file} has no column {lacking[0]}; it must be that of a run")
+    for name in columns:
+        found[name] = found[name].astype(str) if name in WORDS else reading.numbers(found[name])
     return found.dropna(subset=columns)

@@ -14,11 +14,17 @@ class Insert(Table):
     """A body inside the sand, across the whole silo: a roof (a triangle on its base), a cylinder, or any polygon."""
 
     kind: Literal["roof", "cylinder", "polygon"] = Field(description="of body")
-    width_m: float | None = Field(None, gt=0, description="of the roof's base; diameter of the cylinder")
-    height_m: float | None = Field(None, gt=0, description="of a roof above its base; as high as wide if absent")
-    bottom_m: float | None = Field(None, gt=0, description="lowest place above the floor, of a roof or cylinder")
-    position_m: float | None = Field(None, gt=0, description="of its middle; that of the silo if absent")
-    corners_m: outline.Corners | None = Field(None, description="of a polygon: pairs of x and y, in any sense")
+    width_m: float | None = Field(None, ge=1e-4, le=1000, description="of the roof's base; diameter of the cylinder")
+    height_m: float | None = Field(
+        None, ge=1e-4, le=1000, description="of a roof above its base; as high as wide if absent"
+    )
+    bottom_m: float | None = Field(
+        None, gt=0, le=1000, description="lowest place above the floor, of a roof or cylinder"
+    )
+    position_m: float | None = Field(None, gt=0, le=1000, description="of its middle; that of the silo if absent")
+    corners_m: outline.Corners | None = Field(
+        None, max_length=outline.MOST_CORNERS, description="of a polygon: pairs of x and y, in any sense"
+    )
     friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="that of the side walls if absent")
 
     @model_validator(mode="after")

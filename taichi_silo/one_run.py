@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from taichi_silo import archive, lock, memory, reading, state
 from taichi_silo import folder as run_folder
-from taichi_silo import lock, memory, state
 from taichi_silo.faults import BadInput, MachineFailed, Stopped, of_machine
 from taichi_silo.observers import Observer, checkpoint
 from taichi_silo.observers.checkpoint import Checkpoint
@@ -88,17 +88,21 @@ def resume(folder: Path, *, threads: int | None = None, film: bool | None = None
         as `run`.
 
     """
-    folder = folder.expanduser()
+    folder = reading.place(folder, "folder")
     if run_folder.finished(folder):
         clear(folder)  # what a death between the last two lines of a run leaves
         return folder
     if not checkpoint.is_there(folder):
         what = "holds no checkpoint to go on from" if folder.is_dir() else "does not exist"
         raise BadInput(f"folder is {folder}; it must be that of a run that was begun, but it {what}")
-    with heard() as stops, lock.held(run_folder.writable(folder)):
+    with heard() as stops, lock.held(run_folder.own(folder)):
         with stops.at_once(STILL % run_folder.go_on(folder)):
-            kept, words = checkpoint.latest(folder)
-            scene, drawn = checkpoint.scene_of(kept, threads), "film" in kept["observers"]
+            with archive.understood(folder):
+                kept, words = checkpoint.latest(folder)
+                archive.need(kept, "run.filled", "run.resumed", "run.wall_seconds", "observers.forces",
+                             "simulation.points", "simulation.clock.time")  # fmt: skip
+                scene, drawn = checkpoint.scene_of(kept, threads), "film" in kept["observers"]
+            run_folder.same_scene(folder, scene)
             if film and not drawn:
                 raise BadInput(f"film is asked for; the run in {folder} was begun without, and its beginning is gone")
             memory.check(scene)
@@ -123,7 +127,8 @@ class _Session:
         self.folder, self.kept = folder, kept
         self.simulation = Simulation(scene)
         if kept:
-            state.restore(self.simulation, kept["simulation"])
+            with archive.understood(folder):
+                state.restore(self.simulation, kept["simulation"])
         self.simulation.warnings += words
         last, free = scene.flow.displacement_m, scene.flow.outflow == "gravity"
         figured = [share * last for share in FIGURE_SHARES] if free else FIGURE_DISPLACEMENTS_M
@@ -205,7 +210,8 @@ class _Session:
         if self.kept is None:
             observer.begin(self.simulation)
         else:
-            observer.restore(self.simulation, self.kept["observers"].get(name, {}))
+            with archive.understood(self.folder):
+                observer.restore(self.simulation, self.kept["observers"].get(name, {}))
 
     def _simulate(self, observers, check) -> None:
         """Fill and flow, as far as that is not done yet."""

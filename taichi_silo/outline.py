@@ -4,6 +4,8 @@ import numpy as np
 import shapely
 
 Corners = tuple[tuple[float, float], ...]
+MOST_CORNERS = 1000
+LARGEST = 1000.0  # of a coordinate [m]
 SAME = 1e-9  # places closer than that are one [m]
 
 
@@ -16,8 +18,11 @@ def polygon(corners: Corners, name: str) -> np.ndarray:
         if they are fewer than three, enclose nothing, or the sides cross.
 
     """
-    if len(corners) > 1 and np.allclose(corners[0], corners[-1], atol=SAME):
-        corners = corners[:-1]
+    given = np.array(corners, float).reshape(-1, 2)
+    if not (np.abs(given) <= LARGEST).all():
+        worst = given.flat[np.argmax(np.where(np.isnan(given), np.inf, np.abs(given)))]
+        raise ValueError(f"the {name} has a corner at {worst:g} m; it must be between -{LARGEST:g} and {LARGEST:g} m")
+    corners = given[np.abs(given - np.roll(given, 1, axis=0)).max(axis=1) > SAME] if len(given) else given
     if len(corners) < 3:
         raise ValueError(f"the {name} has {len(corners)} corners; a polygon has at least 3")
     shape = shapely.Polygon(corners)
@@ -54,7 +59,6 @@ def sides(corners: Corners) -> tuple[np.ndarray, np.ndarray]:
             f"the outline's least x and y are {left:g} and {low:g} m; both must be 0: x counts from its leftmost "
             "place, y from the floor or the outlet"
         )
-    chains = {}
     for name, level in (("floor", low), ("top", high)):
         if (np.abs(found[:, 1] - level) < SAME).sum() != 2:
             raise ValueError(f"the outline has no level {name} at y = {level:g} m; it must be one side")

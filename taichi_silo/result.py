@@ -1,18 +1,17 @@
 """What a run left, for Python: tables as frames, states of the sand as arrays, the film."""
 
 import base64
-import json
 import os
-import tomllib
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from taichi_silo import snapshot
+from taichi_silo import reading, snapshot
 from taichi_silo.faults import BadInput
 from taichi_silo.folder import MADE
+from taichi_silo.quoting import shown
 from taichi_silo.scene import Scene
 from taichi_silo.scene_file import read_scene
 
@@ -34,7 +33,7 @@ class Result(os.PathLike):
     """
 
     def __init__(self, folder: str | os.PathLike):
-        self.folder = Path(folder).expanduser()
+        self.folder = reading.place(folder, "folder")
         if not (self.folder / MADE).is_file():
             raise BadInput(f"folder is {self.folder}; it must be that of a run, which has a {MADE}")
 
@@ -56,13 +55,13 @@ class Result(os.PathLike):
     @cached_property
     def program(self) -> dict:
         """Versions and time: what computed it."""
-        return tomllib.loads((self.folder / MADE).read_text(encoding="utf-8")).get("program", {})
+        return reading.toml(self.folder / MADE, "a run").get("program", {})
 
     @cached_property
     def summary(self) -> dict:
         """Peaks, residuals, certificate, measures; empty if the run has not ended."""
         file = self.folder / "summary.json"
-        return json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        return reading.tables(file) if file.exists() else {}
 
     @property
     def finished(self) -> bool:
@@ -72,7 +71,7 @@ class Result(os.PathLike):
     @cached_property
     def forces(self) -> pd.DataFrame:
         """`forces.csv`: a row an interval; normals positive in compression, shears where the wall carries weight."""
-        return pd.read_csv(self.folder / "forces.csv")
+        return reading.frame(self.folder / "forces.csv")
 
     @property
     def flow(self) -> pd.DataFrame:
@@ -82,17 +81,17 @@ class Result(os.PathLike):
     @cached_property
     def balance(self) -> pd.DataFrame:
         """`balance.csv`: how far forces, weight and momentum balance."""
-        return pd.read_csv(self.folder / "balance.csv")
+        return reading.frame(self.folder / "balance.csv")
 
     @cached_property
     def walls(self) -> pd.DataFrame:
         """`walls.csv`: wall stresses after filling, at the largest N, and at the end."""
-        return pd.read_csv(self.folder / "walls.csv")
+        return reading.frame(self.folder / "walls.csv")
 
     @cached_property
     def snapshots(self) -> pd.DataFrame:
         """Stored states: file, stage, time_s, displacement_m."""
-        return pd.read_csv(self.folder / "snapshots" / "index.csv")
+        return reading.frame(self.folder / "snapshots" / "index.csv")
 
     def state(self, which: str | int = -1) -> dict[str, np.ndarray]:
         """All points of a stored state, as `Simulation.points` gives them.
@@ -112,9 +111,10 @@ class Result(os.PathLike):
         """
         names = [Path(file).stem for file in self.snapshots.file]
         numbers = range(-len(names), len(names))
-        if which not in (names if isinstance(which, str) else numbers):
+        if isinstance(which, bool) or which not in (names if isinstance(which, str) else numbers):
             named = [name for name in names if not name.startswith(snapshot.BETWEEN)]
-            raise BadInput(f"state is {which}; it must be one of {', '.join(named)}, or its number in `snapshots`")
+            right = f"one of {', '.join(named)}, or its number in `snapshots`"
+            raise BadInput(f"state is {shown(which)}; it must be {right}")
         name = which if isinstance(which, str) else names[which]
         return snapshot.read(self.folder / "snapshots" / f"{name}.vtu")
 

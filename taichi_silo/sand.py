@@ -2,20 +2,21 @@
 
 from typing import Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from taichi_silo.laws import GudehusBauer, Intergranular
+from taichi_silo.quoting import shown
 from taichi_silo.table import Table
 
 
 class IntergranularStrain(Table):
     """Constants of Niemunis and Herle (1997); the defaults are theirs for Hochstetten sand."""
 
-    radius: float = Field(1e-4, gt=0, le=0.01, description="R, largest intergranular strain")
-    m_R: float = Field(5.0, ge=1, description="factor of stiffness when the strain turns back")
-    m_T: float = Field(2.0, ge=1, description="the same when it turns by a right angle; at most m_R")
-    beta_r: float = Field(0.5, gt=0, description="exponent of how fast the memory follows")
-    chi: float = Field(6.0, gt=0, description="exponent of how fast the stiffness falls")
+    radius: float = Field(1e-4, ge=1e-7, le=0.01, description="R, largest intergranular strain")
+    m_R: float = Field(5.0, ge=1, le=100, description="factor of stiffness when the strain turns back")
+    m_T: float = Field(2.0, ge=1, le=100, description="the same when it turns by a right angle; at most m_R")
+    beta_r: float = Field(0.5, ge=0.01, le=100, description="exponent of how fast the memory follows")
+    chi: float = Field(6.0, ge=0.01, le=100, description="exponent of how fast the stiffness falls")
 
     @model_validator(mode="after")
     def _ordered(self):
@@ -27,22 +28,31 @@ class IntergranularStrain(Table):
 class Sand(Table):
     """Gudehus-Bauer constants; the defaults are the paper's Karlsruhe sand."""
 
-    name: str = Field("karlsruhe", description="in a file that of a published sand stands for all constants not given")
+    name: str = Field(
+        "karlsruhe", max_length=100, description="in a file that of a published sand stands for all constants not given"
+    )
     void_ratio: float = Field(0.60, description="initial e, between e_d0 and e_i0")
     law: Literal["auto", "gudehus-bauer", "intergranular"] = Field(
         "auto", description="intergranular is the one with memory; auto takes it where strain turns back"
     )
-    critical_friction_angle_deg: float = Field(30.0, ge=5, lt=90, description="phi_c")
-    granular_hardness_Pa: float = Field(190e6, gt=0, description="h_s")
-    n: float = Field(0.5, gt=0, lt=1, description="exponent of compression")
-    alpha: float = Field(0.3, gt=0, le=5, description="exponent of density in the peak of strength")
-    beta: float = Field(1.0, gt=0, le=20, description="exponent of density in stiffness")
-    e_i0: float = Field(1.30, gt=0, description="loosest void ratio without pressure")
-    e_c0: float = Field(0.82, gt=0, description="critical void ratio without pressure")
-    e_d0: float = Field(0.51, gt=0, description="densest void ratio without pressure")
-    grain_density_kg_per_m3: float = Field(2650.0, gt=0, description="of the grains themselves")
-    d50_m: float = Field(0.5e-3, gt=0, description="mean grain diameter")
+    critical_friction_angle_deg: float = Field(30.0, ge=5, le=85, description="phi_c")
+    granular_hardness_Pa: float = Field(190e6, ge=1e5, le=1e12, description="h_s")
+    n: float = Field(0.5, ge=0.01, le=0.99, description="exponent of compression")
+    alpha: float = Field(0.3, ge=0.001, le=5, description="exponent of density in the peak of strength")
+    beta: float = Field(1.0, ge=0.001, le=20, description="exponent of density in stiffness")
+    e_i0: float = Field(1.30, ge=0.01, le=10, description="loosest void ratio without pressure")
+    e_c0: float = Field(0.82, ge=0.01, le=10, description="critical void ratio without pressure")
+    e_d0: float = Field(0.51, ge=0.01, le=10, description="densest void ratio without pressure")
+    grain_density_kg_per_m3: float = Field(2650.0, ge=10, le=1e5, description="of the grains themselves")
+    d50_m: float = Field(0.5e-3, ge=1e-7, le=1, description="mean grain diameter")
     intergranular: IntergranularStrain = IntergranularStrain()
+
+    @field_validator("name")
+    @classmethod
+    def _printable(cls, value: str) -> str:
+        if not value.isprintable():
+            raise ValueError(f"sand.name is {shown(value)}; it must be letters and signs that can be printed")
+        return value
 
     @model_validator(mode="after")
     def _ordered(self):

@@ -1,16 +1,17 @@
 """Named sands, and files with one's own."""
 
-import difflib
 import tomllib
 from importlib.resources import files
-from pathlib import Path
 
 from pydantic import ValidationError
 
+from taichi_silo import reading
 from taichi_silo.faults import BadInput
+from taichi_silo.quoting import near, shown
 from taichi_silo.sand import Sand
 from taichi_silo.table import one_sentence
 
+LONGEST = 100  # letters of a name
 NOTES = ("title", "source", "read_in")
 
 
@@ -29,28 +30,23 @@ def sand(name_or_file: str, void_ratio: float, **more) -> Sand:
 
     """
     known = published()
-    key = str(name_or_file).strip().lower()
+    key = shown(name_or_file, LONGEST).strip().lower()
     if key in known:
         constants = {k: v for k, v in known[key].items() if k not in NOTES}
         return _checked({"name": key, **constants}, void_ratio, more)
-    file = Path(name_or_file)
-    if str(name_or_file).startswith("~/"):
-        file = file.expanduser()
+    file = reading.place(name_or_file, "sand")
     if file.suffix.lower() != ".toml":
-        near = difflib.get_close_matches(key, known, 1)
-        hint = f"; did you mean {near[0]}?" if near else ""
-        raise BadInput(f"sand is {name_or_file}; it must be a TOML file or one of {', '.join(known)}{hint}")
-    try:
-        constants = tomllib.loads(file.read_text())
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise BadInput(f"sand file {file} cannot be read: {getattr(error, 'strerror', None) or error}") from error
+        meant = near(key, known)
+        hint = f"; did you mean {meant}?" if meant else ""
+        raise BadInput(f"sand is {shown(name_or_file)}; it must be a TOML file or one of {', '.join(known)}{hint}")
+    constants = reading.toml(file, "a sand")
     needed = [name for name in next(iter(known.values())) if name not in NOTES]
     missing = [name for name in needed if name not in constants]
     if missing:
         raise BadInput(f"sand file {file} lacks {', '.join(missing)}")
     unknown = [name for name in constants if name not in (*needed, *NOTES, "name")]
     if unknown:
-        raise BadInput(f"sand file {file} holds {unknown[0]}; a sand has {', '.join(needed)}")
+        raise BadInput(f"sand file {file} holds {shown(unknown[0])}; a sand has {', '.join(needed)}")
     constants = {k: v for k, v in constants.items() if k not in NOTES}
     try:
         return _checked({"name": file.stem, **constants}, void_ratio, more)

@@ -14,6 +14,7 @@ from taichi_silo import runtime
 from taichi_silo.averaging import INACTIVE_FROM, MOST_PAIRS, WEIGHTS, most_pairs, self_weight
 from taichi_silo.faults import BadInput
 from taichi_silo.laws import GudehusBauer, Intergranular
+from taichi_silo.quoting import shown
 from taichi_silo.sand import Sand
 from taichi_silo.symmetry import half_model
 from taichi_silo.table import Table
@@ -22,6 +23,8 @@ from taichi_silo.vessel import Silo
 
 LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of loose sand applies
 MOST_POINTS = 20_000_000
+MOST_PER_CELL = 10_000
+MOST_CELLS = 20_000  # across or along a silo
 SNAPSHOTS, FEWEST_SNAPSHOTS = 100, 10  # over the flow, of small and of large scenes
 MOST_STATES = 10_000_000  # points times snapshots, where their number is not given: about 0.8 GB
 
@@ -55,15 +58,19 @@ class Walls(Table):
 class Mesh(Table):
     """Background grid and points."""
 
-    cell_size_m: float = Field(0.005, gt=0, description="divides width and height, and the edges of an outlet")
+    cell_size_m: float = Field(
+        0.005, ge=1e-5, le=100, description="divides width and height, and the edges of an outlet"
+    )
     points_per_cell: int = Field(1, description="a square number: 1, 4, 9, ...")
     shape: Shape = Field("ugimp", description="shape functions")
 
     @field_validator("points_per_cell")
     @classmethod
     def _square(cls, value: int) -> int:
-        if value < 1 or math.isqrt(value) ** 2 != value:
-            raise ValueError(f"points per cell is {value}; it must be a square number: 1, 4, 9, 16, ...")
+        if not 1 <= value <= MOST_PER_CELL or math.isqrt(value) ** 2 != value:
+            raise ValueError(
+                f"points per cell is {shown(value)}; it must be a square number: 1, 4, 9, 16, ... up to {MOST_PER_CELL}"
+            )
         return value
 
 
@@ -73,11 +80,14 @@ class Flow(Table):
     outflow: Literal["controlled", "gravity"] = Field(
         "controlled", description="at a given speed of the bottom or gate, or free"
     )
-    speed_m_per_s: float = Field(0.002, gt=0, le=1, description="of the bottom or gate; without meaning for gravity")
+    speed_m_per_s: float = Field(0.002, ge=1e-9, le=1, description="of the bottom or gate; without meaning for gravity")
     displacement_m: float = Field(
-        0.02, gt=0, description="of the bottom or gate at the end; for gravity of a gate that lets out as much"
+        0.02, ge=1e-9, le=1000,
+        description="of the bottom or gate at the end; for gravity of a gate that lets out as much",
+    )  # fmt: skip
+    longest_s: float = Field(
+        10.0, ge=1e-6, le=1e6, description="for gravity: the end if the flow has not stopped before"
     )
-    longest_s: float = Field(10.0, gt=0, description="for gravity: the end if the flow has not stopped before")
 
     @property
     def turns_back(self) -> bool:
@@ -96,13 +106,15 @@ class Filling(Table):
         "gravity-ramp", description="all sand in place while its weight grows; one layer after the other; falling rows"
     )
     layers: int = Field(20, ge=1, le=1000, description="their number")
-    drop_m: float = Field(0.02, ge=0, description="height of fall of rain")
+    drop_m: float = Field(0.02, ge=0, le=1000, description="height of fall of rain")
 
 
 class Averaging(Table):
     """Non-local mean of the norm of the strain rate in the law's non-linear part."""
 
-    characteristic_length_m: float | None = Field(None, ge=0, description="l_c; 3 d50 if absent, 0 for a local law")
+    characteristic_length_m: float | None = Field(
+        None, ge=0, le=1000, description="l_c; 3 d50 if absent, 0 for a local law"
+    )
     weight: Literal["gaussian", "exponential"] = Field("gaussian", description="of neighbours")
 
     def length_m(self, sand: Sand) -> float:
@@ -147,9 +159,11 @@ class Method(Variant):
     noise_control: Literal["column", "none"] = Field(
         "column", description="force against swings of the column, none in steady flow; see noise.py"
     )
-    gravity_m_per_s2: float = Field(9.81, gt=0, description="g")
-    filling_time_s: float = Field(0.5, gt=0, description="of the increase of weight; at least 12 column periods")
-    longest_settling_s: float = Field(1.0, ge=0, description="or 20 column periods, if longer")
+    gravity_m_per_s2: float = Field(9.81, ge=0.01, le=1e4, description="g")
+    filling_time_s: float = Field(
+        0.5, ge=1e-6, le=1e5, description="of the increase of weight; at least 12 column periods"
+    )
+    longest_settling_s: float = Field(1.0, ge=0, le=1e5, description="or 20 column periods, if longer")
 
 
 class Output(Table):
@@ -175,7 +189,7 @@ class Machine(Table):
     @classmethod
     def _available(cls, value: int) -> int:
         if value > cores():
-            raise ValueError(f"threads is {value}; this machine has 1 to {cores()}")
+            raise ValueError(f"threads is {shown(value)}; this machine has 1 to {cores()}")
         return value
 
     def start(self) -> None:
@@ -217,6 +231,11 @@ class Scene(Table):
         h = self.grid.cell_size_m
         for name, length in (("width", self.silo.width_m), ("height", self.silo.height_m)):
             cells = length / h
+            if cells > MOST_CELLS * (1.0 + 1e-6):
+                raise ValueError(
+                    f"cell size is {h} m; it makes {cells:.4g} cells along the {name} of {length} m, at most "
+                    f"{MOST_CELLS} are allowed (lengths are in metres)"
+                )
             if abs(cells - round(cells)) > 1e-6 or round(cells) < 2:
                 raise ValueError(
                     f"cell size is {h} m; it must divide the {name} of {length} m into at least 2 whole cells"

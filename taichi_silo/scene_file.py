@@ -1,19 +1,19 @@
 """Scenes from TOML files: one's own, or the run.toml of a run."""
 
-import difflib
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from taichi_silo import sands
+from taichi_silo import reading, sands
 from taichi_silo.faults import BadInput
+from taichi_silo.quoting import near, shown
 from taichi_silo.sand import Sand
 from taichi_silo.scene import Scene
+from taichi_silo.settings import is_number
 from taichi_silo.table import one_sentence
 
-LARGEST = 10_000_000  # bytes of a scene file
+LONGEST_CHANGE = 10_000  # letters of a PATH=VALUE
 PROGRAM = "program"  # the table of run.toml that says what computed it
 
 
@@ -38,7 +38,7 @@ def read_scene(file: Path, changes: Iterable[str] = (), threads: int | None = No
     for change in changes:
         _apply(tables, change)
     if threads is not None:
-        tables["machine"] = tables.get("machine", {}) | {"threads": threads}
+        tables["machine"] = _with_threads(tables.get("machine", {}), threads)
     try:
         return scene_of(tables)
     except ValidationError as error:
@@ -56,14 +56,12 @@ def read_tables(file: Path) -> dict:
         if there is none, or what is there is no TOML.
 
     """
-    file = Path(file).expanduser()
-    try:
-        if file.is_file() and file.stat().st_size > LARGEST:
-            raise BadInput(f"{file} has {file.stat().st_size} bytes; a scene file has at most {LARGEST}")
-        return tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        why = getattr(error, "strerror", None) or " ".join(str(error).split())
-        raise BadInput(f"{file} cannot be read as a scene: {why}") from error
+    return reading.toml(file, "a scene")
+
+
+def _with_threads(machine, threads: int):
+    """The table of a machine with so many threads; what is no table stays, and is refused by its type."""
+    return machine | {"threads": threads} if isinstance(machine, dict) else machine
 
 
 def scene_of(tables: dict) -> Scene:
@@ -85,33 +83,38 @@ def scene_of(tables: dict) -> Scene:
 
 def _with_constants(sand: dict) -> dict:
     known, name = sands.published(), sand["name"]
+    if not isinstance(name, str):
+        return sand  # said by the type
     if name in known:
         return {key: value for key, value in known[name].items() if key not in sands.NOTES} | sand
     needed = [key for key in known["karlsruhe"] if key not in sands.NOTES]
     missing = [key for key in needed if key not in sand]
     if not missing:
         return sand
-    near = difflib.get_close_matches(str(name).lower(), known, 1)
-    if near:
-        raise BadInput(f"sand.name is {name}; did you mean {near[0]}?")
+    meant = near(name.lower(), known)
+    if meant:
+        raise BadInput(f"sand.name is {shown(name)}; did you mean {meant}?")
     unknown = [key for key in sand if key not in Sand.model_fields]
     if unknown:  # said by the type, and better
         return sand
     raise BadInput(
-        f"sand.name is {name}; it must be one of {', '.join(known)}, or come with all its constants: {missing[0]} is "
-        "missing"
+        f"sand.name is {shown(name)}; it must be one of {', '.join(known)}, or come with all its constants: "
+        f"{missing[0]} is missing"
     )
 
 
 def _apply(tables: dict, change: str) -> None:
     path, equals, text = change.partition("=")
     names = [name.strip() for name in path.split(".")]
+    if len(change) > LONGEST_CHANGE:
+        raise BadInput(f"set is {shown(change)}; it has {len(change)} letters, at most {LONGEST_CHANGE} are allowed")
+    change = shown(change)
     if not equals or not all(names):
         raise BadInput(f"set is {change}; it must be PATH=VALUE, such as flow.speed_m_per_s=0.005")
     table = tables
     for name in names[:-1]:
         table = _step(table, name, change)
-    if isinstance(table, list):
+    if not isinstance(table, dict):
         raise BadInput(f"set is {change}; it must name a value of a table")
     table[names[-1]] = _value(text.strip())
 
@@ -119,18 +122,21 @@ def _apply(tables: dict, change: str) -> None:
 def _step(table, name: str, change: str):
     """The table, or the entry of a list of tables, of this name; a table is made where there is none."""
     if isinstance(table, list):
-        if not name.isdigit() or int(name) >= len(table):
-            raise BadInput(f"set is {change}; {name} must be a number from 0 to {len(table) - 1}")
+        if not is_number(name) or int(name) >= len(table):
+            raise BadInput(f"set is {change}; {shown(name)} must be a number from 0 to {len(table) - 1}")
         return table[int(name)]
+    if not isinstance(table, dict):
+        raise BadInput(f"set is {change}; there is a value where {shown(name)} would need a table")
     found = table.setdefault(name, {})
     if not isinstance(found, (dict, list)):
-        raise BadInput(f"set is {change}; {name} is a value, not a table")
+        raise BadInput(f"set is {change}; {shown(name)} is a value, not a table")
     return found
 
 
 def _value(text: str):
     """A value as TOML writes it; a word without quotes is a text."""
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        found = reading.parsed(f"value = {text}")
+    except ValueError:
         return text
+    return found["value"] if len(found) == 1 else text

@@ -4,16 +4,17 @@ A path leads through tables that a scene may lack, as `silo.outlet.width_m` does
 `silo.inserts.0.width_m` does. A setting makes the tables on its way.
 """
 
-import difflib
 import typing
 from collections.abc import Iterator
 
 from pydantic_core import PydanticUndefined
 
 from taichi_silo.faults import BadInput
+from taichi_silo.quoting import near, shown
 from taichi_silo.scene import Scene
 from taichi_silo.table import Table, table_in
 
+MOST_DIGITS = 6  # of the number of an entry in a path
 OUTSIDE = ("precision", "nudge")  # no part of the scene: of the process, and of the start
 
 
@@ -31,14 +32,19 @@ def whole(path: str) -> bool:
     return kind is int or int in typing.get_args(kind)
 
 
+def is_number(name: str) -> bool:
+    """Whether a part of a path is the number of an entry."""
+    return name.isascii() and name.isdigit() and len(name) <= MOST_DIGITS
+
+
 def hint(path: str) -> str:
     """The path that was perhaps meant, in words; empty if none is near."""
     paths = list(_paths(Scene))
-    near = difflib.get_close_matches(path, paths, 1)
-    if not near:  # another table, or none
+    meant = near(path, paths)
+    if not meant:  # another table, or none
         lasts = {one.split(".")[-1]: one for one in reversed(paths)}
-        near = [lasts[last] for last in difflib.get_close_matches(path.split(".")[-1], lasts, 1)]
-    return f"; did you mean {near[0]}?" if near else ""
+        meant = lasts.get(near(path.split(".")[-1], lasts))
+    return f"; did you mean {meant}?" if meant else ""
 
 
 def changed(scene: Scene, settings: dict) -> Scene:
@@ -57,7 +63,7 @@ def changed(scene: Scene, settings: dict) -> Scene:
         if path in OUTSIDE:
             continue
         if not known(path):
-            raise BadInput(f"setting is {path}; a scene has no such value{hint(path)}")
+            raise BadInput(f"setting is {shown(path)}; a scene has no such value{hint(path)}")
         *names, last = path.split(".")
         table = tables
         for name in names:
@@ -89,7 +95,7 @@ def _kind(path: str):
     """The type of what is at a path; None if a scene has no such path."""
     kind = Scene
     for name in path.split("."):
-        if name.isdigit():
+        if is_number(name):
             kind = table_in(kind) if typing.get_origin(kind) is tuple else None
         else:
             table = table_in(kind) if typing.get_origin(kind) is not tuple else None
@@ -106,7 +112,7 @@ def _inside(table, name: str, path: str, make: bool):
         return None
     if isinstance(table, list):
         if int(name) > len(table):
-            raise BadInput(f"setting is {path}; {len(table)} are there, so the next has number {len(table)}")
+            raise BadInput(f"setting is {shown(path)}; {len(table)} are there, so the next has number {len(table)}")
         if int(name) == len(table) and make:
             table.append({})
         return table[int(name)] if int(name) < len(table) else None

@@ -50,10 +50,11 @@ def read(file: Path) -> dict[str, np.ndarray]:
         if the file is not there, is damaged, or lacks an array.
 
     """
+    file = Path(file)
+    if not file.is_file():
+        raise BadInput(f"snapshot {file} is {'no file' if file.exists() else 'missing'}")
     try:
         places, arrays = vtu.read(file)
-    except FileNotFoundError as error:
-        raise BadInput(f"snapshot {file} is missing") from error
     except Exception as error:  # whatever a broken file makes of a parser, XML included
         raise BadInput(f"snapshot {file} cannot be read; it is damaged") from error
     names = {
@@ -63,6 +64,10 @@ def read(file: Path) -> dict[str, np.ndarray]:
     lacking = [name for name in ("velocity", *names.values()) if name not in arrays]
     if lacking:
         raise BadInput(f"snapshot {file} holds no {lacking[0]}; it must be of taichi_silo 0.2 or later")
+    shapes = {"stress_Pa": (len(places), 4), "velocity": (len(places), 3)}
+    for name in ("velocity", *names.values()):
+        if arrays[name].shape != shapes.get(name, (len(places),)):
+            raise BadInput(f"snapshot {file} cannot be read; its {name} is not that of its points")
     points = {"position": places[:, :2], "velocity": arrays["velocity"][:, :2]}
     points |= {own: np.asarray(arrays[name]) for own, name in names.items()}
     kind = {"identity": np.int64}

@@ -47,8 +47,8 @@ def restore(simulation, kept: dict) -> None:
     """Put it back into a simulation of the same scene that has not been begun."""
     particles, points, clock = simulation.particles, dict(kept["points"]), dict(kept["clock"])
     loads = clock.pop("loads")
-    for name, value in clock.items():
-        setattr(simulation, name, value)
+    for name in CLOCK:
+        setattr(simulation, name, clock[name])
     simulation.filling = filling.Progress(**kept["filling"])
     simulation.warnings = list(dict.fromkeys([*kept["warnings"], *simulation.warnings]))
     simulation.alarms.restore(kept["alarms"])
@@ -84,4 +84,6 @@ def _restore_lanes(simulation, kept: dict | None) -> None:
     lanes.sorted = (-1, 0.0)
     if kept:
         lanes.sorted = tuple(kept["sorted"])
+        if not ((kept["order"] >= 0) & (kept["order"] <= lanes.particles.count)).all():
+            raise ValueError("the order names points that are not there")
         lanes.particles.order.from_numpy(kept["order"])

@@ -20,8 +20,10 @@ class Variant(Table):
     pic_share: float = Field(0.05, ge=0, le=1, description="of transfer blend, in each step")
     stress_update: Literal[STRESS_UPDATES] = Field("last", description="when in the step")
     stress_filter: Literal[tuple(FILTERS)] = Field("none", description="of the stresses, after each step")
-    time_step_s: float | None = Field(None, ge=1e-9, description="from the law's stiffness if absent")
-    cfl: float | None = Field(None, gt=0, le=2, description="time step over h / (c + |v|); the shape's own if absent")
+    time_step_s: float | None = Field(None, ge=1e-9, le=1, description="from the law's stiffness if absent")
+    cfl: float | None = Field(
+        None, ge=1e-4, le=2, description="time step over h / (c + |v|); the shape's own if absent"
+    )
     mass_scaling: float = Field(1.0, ge=1, le=1e6, description="factor of inertia, not of weight")
 
     @model_validator(mode="after")

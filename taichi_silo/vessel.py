@@ -16,13 +16,15 @@ from taichi_silo import outline as polygons
 from taichi_silo.inserts import Insert
 from taichi_silo.table import Table
 
+MOST_INSERTS = 50
+POINTS_AT_ONCE = 500_000  # of a lattice
 __all__ = ["Hopper", "Insert", "Outlet", "Silo"]
 
 
 class Outlet(Table):
     """An opening of the flat floor; without it the whole floor is the outlet."""
 
-    width_m: float = Field(gt=0, description="of the opening")
+    width_m: float = Field(ge=1e-4, le=1000, description="of the opening")
     position: Literal["centre", "left", "right"] | float = Field(
         "centre", description="in the floor: centre | left | right, or x of its middle [m]"
     )
@@ -31,16 +33,16 @@ class Outlet(Table):
 class Hopper(Table):
     """Walls that converge towards an outlet, which is as wide as their lower ends are apart."""
 
-    half_angle_deg: float = Field(gt=0, lt=80, description="of the walls, from the vertical")
-    outlet_width_m: float = Field(gt=0, description="of the opening between their lower ends")
+    half_angle_deg: float = Field(ge=0.1, lt=80, description="of the walls, from the vertical")
+    outlet_width_m: float = Field(ge=1e-4, le=1000, description="of the opening between their lower ends")
     friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="that of the side walls if absent")
 
 
 class Silo(Table):
     """Two parallel walls, or a round one, with what closes it below; forces are per metre run (of the wall's girth)."""
 
-    width_m: float = Field(0.2, gt=0, description="or diameter")
-    height_m: float = Field(0.5, gt=0, description="height of the fill above the floor, a hopper included")
+    width_m: float = Field(0.2, ge=0.001, le=1000, description="or diameter")
+    height_m: float = Field(0.5, ge=0.001, le=1000, description="height of the fill above the floor, a hopper included")
     section: Literal["plane", "round"] = Field(
         "plane", description="between parallel walls, or a cylinder about the middle; a hopper is a wedge, or a cone"
     )
@@ -48,12 +50,12 @@ class Silo(Table):
     outlet: Outlet | None = None
     hopper: Hopper | None = None
     outline_m: polygons.Corners | None = Field(
-        None,
+        None, max_length=polygons.MOST_CORNERS,
         description="corners (x, y) of the space for sand, instead of a hopper: a polygon with a level floor at y = 0, "
         "the outlet unless there is one in it, a level top, and sides that lead up; width and height are its own if "
         "absent",
     )
-    inserts: tuple[Insert, ...] = ()
+    inserts: tuple[Insert, ...] = Field((), max_length=MOST_INSERTS)
 
     @model_validator(mode="before")
     @classmethod
@@ -62,7 +64,7 @@ class Silo(Table):
         if isinstance(given, dict) and given.get("outline_m"):
             try:
                 x, y = np.array([tuple(map(float, corner)) for corner in given["outline_m"]]).T
-            except (TypeError, ValueError):
+            except (TypeError, ValueError, OverflowError):
                 return given  # what is wrong with it is said by the type
             if x.max() > 0.0 and y.max() > 0.0:
                 return {"width_m": float(x.max()), "height_m": float(y.max())} | given
@@ -232,16 +234,23 @@ class Silo(Table):
 
         Rows fit between the walls: in a hopper points stand a little closer or farther apart than elsewhere.
         """
-        rows = []
-        for number in range(round(self.height_m / spacing_m)):
-            y = (number + 0.5) * spacing_m
-            left, right = self.between(y)
-            pairs = 2 if self.section == "round" else 1  # the axis stands between two points
-            count = max(1, round((right - left) / (pairs * spacing_m))) * pairs
-            x = left + (np.arange(count) + 0.5) * (right - left) / count
-            x = x[self.holds(x, y)]
-            rows.append((x, np.full(len(x), y), np.full(len(x), spacing_m * (right - left) / count)))
-        return tuple(np.concatenate(values) for values in zip(*rows, strict=True))
+        count = round(self.height_m / spacing_m)
+        at_once = max(1, int(POINTS_AT_ONCE * spacing_m / self.width_m))
+        parts = [self._rows(np.arange(first, min(first + at_once, count)), spacing_m)
+                 for first in range(0, count, at_once)]  # fmt: skip
+        return tuple(np.concatenate(values) for values in zip(*parts, strict=True))
+
+    def _rows(self, numbers: np.ndarray, spacing_m: float):
+        """The points of rows of these numbers."""
+        y = (numbers + 0.5) * spacing_m
+        left, right = self.between(y)
+        pairs = 2 if self.section == "round" else 1  # the axis stands between two points
+        counts = np.maximum(1, np.round((right - left) / (pairs * spacing_m)).astype(int)) * pairs
+        wide, area = (np.repeat(values, counts) for values in (right - left, spacing_m * (right - left) / counts))
+        number = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        x, y = np.repeat(left, counts) + (number + 0.5) * wide / np.repeat(counts, counts), np.repeat(y, counts)
+        held = self.holds(x, y)
+        return x[held], y[held], area[held]
 
     def points(self, spacing_m: float) -> int:
         """How many those are."""

@@ -12,6 +12,8 @@ from taichi_silo import durable
 
 LEVEL = 1  # of zlib: the noise of floating-point numbers packs no better with more
 KINDS = {"float64": "Float64", "float32": "Float32", "int64": "Int64", "int32": "Int32", "uint8": "UInt8"}
+MOST_POINTS, MOST_COMPONENTS = 100_000_000, 9
+LONGEST_START = 1000  # bytes, in which an XML file says what else it needs
 BLOCKS = ("Points", "PointData")
 VERTEX = 1  # VTK's number of a cell of one point
 
@@ -70,24 +72,35 @@ def read(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         if it cannot be read.
 
     """
+    with open(file, "rb") as stream:
+        if b"<!DOCTYPE" in stream.read(LONGEST_START):
+            raise ValueError(f"{file} defines entities")
     piece = ElementTree.parse(file).getroot().find("UnstructuredGrid/Piece")
     if piece is None:
         raise ValueError(f"{file} holds no piece of an unstructured grid")
-    places, arrays = ({found.get("Name"): _values(found) for found in piece.find(block)} for block in BLOCKS)
+    count = int(piece.get("NumberOfPoints"))
+    places, arrays = ({found.get("Name"): _values(found, count) for found in piece.find(block)} for block in BLOCKS)
     return places["Points"], arrays
 
 
-def _values(element) -> np.ndarray:
-    """Of a DataArray."""
-    text, names = element.text.strip(), {name: kind for kind, name in KINDS.items()}
+def _values(element, points: int) -> np.ndarray:
+    """Of a DataArray of so many points; what is packed in it is unpacked no further than that."""
+    kind, components = np.dtype(element.get("type").lower()), int(element.get("NumberOfComponents", 1))
+    room = points * components * kind.itemsize
+    if not 0 <= points <= MOST_POINTS or not 1 <= components <= MOST_COMPONENTS:
+        raise ValueError(f"{points} points with {components} components")
+    text = element.text.strip()
     blocks = int(np.frombuffer(base64.b64decode(text[:8])[:4], np.uint32)[0])
     count = 3 + blocks
     ends = 4 * -(-4 * count // 3)  # of the header: four characters for each three bytes begun
     sizes = np.frombuffer(base64.b64decode(text[:ends]), np.uint32, count)[3:]
     packed, parts, begin = base64.b64decode(text[ends:]), [], 0
     for size in sizes.tolist():
-        parts.append(zlib.decompress(packed[begin : begin + size]))
-        begin += size
-    values = np.frombuffer(b"".join(parts), names[element.get("type")])
-    components = int(element.get("NumberOfComponents", 1))
+        parts.append(zlib.decompressobj().decompress(packed[begin : begin + size], room + 1))
+        begin, room = begin + size, room - len(parts[-1])
+        if room < 0:
+            raise ValueError("an array is longer than it says")
+    if room:
+        raise ValueError("an array is shorter than it says")
+    values = np.frombuffer(b"".join(parts), kind)
     return values.reshape(-1, components) if components > 1 else values

@@ -3,6 +3,7 @@
 import itertools
 import math
 import re
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +11,8 @@ from pydantic import ValidationError
 
 from taichi_silo import sands
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE, parameters
+from taichi_silo.folder import named, parameters
+from taichi_silo.quoting import shown
 from taichi_silo.scene import Machine, Scene
 from taichi_silo.scene_file import read_scene
 from taichi_silo.settings import OUTSIDE, changed, default, hint, known
@@ -19,6 +21,7 @@ from taichi_silo.table import one_sentence
 SAND = "sand"  # a path of its own: all constants of a sand by its name
 DEFAULT = "default"  # the word for what a scene has without being told
 MOST_RUNS = 10_000
+LONGEST_WORD = 1000  # letters of a value
 LONGEST_NAME = 200  # of a folder; file systems take 255
 REFUSED = {
     "sand.name": "it is only a label, a sand with its constants is chosen by sand=NAME",
@@ -36,10 +39,11 @@ class Variation:
 
     def __post_init__(self):
         refuse(self.path)
+        _few(len(self.values))
         words = [as_word(value) for value in self.values]
-        twice = [word for word in words if words.count(word) > 1]
+        twice = [word for word, count in Counter(words).items() if count > 1]
         if twice:
-            raise BadInput(f"{self.path} varies; the value {twice[0]} is there twice")
+            raise BadInput(f"{self.path} varies; the value {shown(twice[0])} is there twice")
         if not words:
             raise BadInput(f"{self.path} varies; it must have a value")
 
@@ -56,7 +60,7 @@ def refuse(path: str) -> None:
     if path in REFUSED:
         raise BadInput(f"{path} varies; {REFUSED[path]}")
     if path != SAND and (not known(path) or path in OUTSIDE):
-        raise BadInput(f"{path} varies; a scene has no such value{hint(path) or ', every one is in a run.toml'}")
+        raise BadInput(f"{shown(path)} varies; a scene has no such value{hint(path) or ', every one is in a run.toml'}")
 
 
 def variation(text: str) -> Variation:
@@ -71,7 +75,7 @@ def variation(text: str) -> Variation:
     path, equals, listed = text.partition("=")
     path, words = path.strip(), tuple(word.strip() for word in listed.split(","))
     if not equals or not path or not all(words):
-        raise BadInput(f"vary is {text}; it must be PATH=V1,V2,..., such as flow.speed_m_per_s=0.002,0.005")
+        raise BadInput(f"vary is {shown(text)}; it must be PATH=V1,V2,..., such as flow.speed_m_per_s=0.002,0.005")
     return Variation(path, words)
 
 
@@ -83,7 +87,8 @@ def as_word(value) -> str:
         return "+".join(f"{name}-{as_word(inner)}" for name, inner in value.items()) or "default"
     if isinstance(value, list | tuple):
         return "+".join(map(as_word, value)) or "none"
-    return Path(value).stem if str(value).lower().endswith(".toml") else str(value)
+    word = shown(value, LONGEST_WORD)
+    return Path(word).stem if word.lower().endswith(".toml") else word
 
 
 def bases(files: list[Path]) -> dict[str, Scene]:
@@ -99,7 +104,7 @@ def bases(files: list[Path]) -> dict[str, Scene]:
         return {"": Scene(machine=Machine(threads=1))}
     found = {}
     for file in files:
-        name = file.resolve().parent.name if file.name == MADE else file.stem
+        name = named(file)
         number, free = 2, name
         while free in found:
             free, number = f"{name}-{number}", number + 1
@@ -140,7 +145,8 @@ def scenes(base: dict[str, Scene], settings: dict[str, dict]) -> dict[str, Scene
         for words, setting in settings.items():
             name = "_".join(filter(None, (start, words))) or "default"
             if len(name) > LONGEST_NAME:
-                raise BadInput(f"folder {name} has {len(name)} letters; at most {LONGEST_NAME} are allowed, vary less")
+                letters = f"{len(name)} letters; at most {LONGEST_NAME} are allowed, vary less"
+                raise BadInput(f"folder {shown(name)} has {letters}")
             if name in found:
                 raise BadInput(f"two runs would be called {name}; give their files other names")
             found[name] = made(scene, setting, start)
@@ -194,8 +200,8 @@ def made(base: Scene, setting: dict, start: str = "") -> Scene:
 def _number(word: str | float) -> float:
     try:
         return float(word)
-    except ValueError as error:
-        raise BadInput(f"void ratio is {word}; it must be a number") from error
+    except (TypeError, ValueError, OverflowError) as error:
+        raise BadInput(f"void ratio is {shown(word)}; it must be a number") from error
 
 
 def _name(setting: dict) -> str:

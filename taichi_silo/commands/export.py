@@ -30,25 +30,28 @@ def command(
 
     from taichi_silo.export import tables, vtkhdf
     from taichi_silo.faults import BadInput, of_file
-    from taichi_silo.folder import writable
+    from taichi_silo.folder import no_link, writable
     from taichi_silo.history import History
+    from taichi_silo.reading import as_left, place
 
     formats = {"vtkhdf": (vtkhdf.write, "silo.vtkhdf"), "csv": (tables.write, "csv")}
     if kind not in formats:
         raise BadInput(f"format is {kind}; it must be one of {', '.join(formats)}")
     voice, history = Voice(quiet, json), History.read(folder)
     write, name = formats[kind]
-    target = output.expanduser() if output else history.folder / name
+    target = place(output, "output") if output else history.folder / name
     there = any(target.glob("*")) if target.is_dir() else target.exists()
     if there and not overwrite:
         raise BadInput(f"output {target} is there already; give another name, or --overwrite to replace it")
     if target.exists() and target.is_dir() != (kind == "csv"):
         raise BadInput(f"output is {target}; it must be a {'folder' if kind == 'csv' else 'file'} for {kind}")
+    no_link(target, target.with_name(f"{target.name}.part"), *(target.glob("*.csv") if target.is_dir() else ()))
     writable(target.parent)
     with Progress(console=voice.console, transient=True, disable=quiet or not voice.console.is_terminal) as progress:
         task = progress.add_task("writing", total=len(history.index))
         try:
-            count = write(history, target, lambda: progress.advance(task))
+            with as_left(history.folder):
+                count = write(history, target, lambda: progress.advance(task))
         except OSError as error:
             raise of_file(error, target) from error
     files = [target] if target.is_file() else [*target.glob("*.csv")]

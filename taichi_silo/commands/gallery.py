@@ -26,11 +26,12 @@ def command(
     from taichi_silo.faults import BadInput
     from taichi_silo.folder import writable
     from taichi_silo.gallery import page
+    from taichi_silo.reading import place
 
-    voice, root = Voice(quiet, json), folder.expanduser()
+    voice, root = Voice(quiet, json), place(folder, "folder")
     if not root.is_dir():
         raise BadInput(f"folder is {folder}; it must be a folder that holds runs")
-    target = output.expanduser() if output else root / "gallery_page"
+    target = place(output, "output") if output else root / "gallery_page"
     with Progress(console=voice.console, transient=True, disable=quiet or not voice.console.is_terminal) as progress:
         task = progress.add_task("looking", total=None)
         entries = page.gather(root, target, lambda done, count: progress.update(task, completed=done, total=count))

@@ -8,6 +8,9 @@ from typer import Argument, Option
 from taichi_silo.voice import JsonFlag, QuietFlag, Voice
 
 LONGEST_S = 600.0  # of a film
+PASSING = (  # names of what is written before a film or picture gets its own
+    "{file.name}.part", "{file.stem}.rendering{file.suffix}", "{file.stem}.rendering.partial{file.suffix}",
+)  # fmt: skip
 SMALLEST, LARGEST = (320, 180), (7680, 4320)
 
 
@@ -48,6 +51,7 @@ def command(
     from taichi_silo.fields import field as known
     from taichi_silo.history import History
     from taichi_silo.observers.encoder import FilmError
+    from taichi_silo.reading import as_left
     from taichi_silo.render import renderer
 
     known(field)
@@ -55,16 +59,17 @@ def command(
     look, voice = renderer.Look(field, _limits(limits), _size(size)), Voice(quiet, json)
     history = History.read(folder)
     try:
-        if frame is None:
-            shown = _moments(history, seconds, speed, fps)
-            file = _free(output or history.folder / f"{field}.mp4", ".mp4", overwrite)
-            drawn = renderer.film(history, file, _tracked(shown, field, voice), look, fps)
-            found = {"film": str(file), "frames": len(shown), "seconds": len(shown) / fps}
-        else:
-            number, unit = _number(history, frame)
-            file = _free(output or history.folder / f"{field}_{frame:g}{unit}.png", ".png", overwrite)
-            drawn = renderer.still(history, file, number, look)
-            found = {"picture": str(file), "snapshot": str(history.index["file"].iloc[number])}
+        with as_left(history.folder):
+            if frame is None:
+                shown = _moments(history, seconds, speed, fps)
+                file = _free(output or history.folder / f"{field}.mp4", ".mp4", overwrite)
+                drawn = renderer.film(history, file, _tracked(shown, field, voice), look, fps)
+                found = {"film": str(file), "frames": len(shown), "seconds": len(shown) / fps}
+            else:
+                number, unit = _number(history, frame)
+                file = _free(output or history.folder / f"{field}_{frame:g}{unit}.png", ".png", overwrite)
+                drawn = renderer.still(history, file, number, look)
+                found = {"picture": str(file), "snapshot": str(history.index["file"].iloc[number])}
     except OSError as error:
         raise of_file(error, file) from error
     except FilmError as error:
@@ -98,13 +103,16 @@ def _number(history, frame: float) -> tuple[int, str]:
 def _free(file: Path, suffix: str, overwrite: bool) -> Path:
     """The file, which may be written."""
     from taichi_silo.faults import BadInput
-    from taichi_silo.folder import writable
+    from taichi_silo.folder import no_link, writable
+    from taichi_silo.reading import place
 
-    file = file.expanduser()
+    file = place(file, "output")
     if file.suffix.lower() != suffix:
         raise BadInput(f"output is {file}; it must end with {suffix}")
     if file.exists() and not overwrite:
         raise BadInput(f"output {file} is there already; give another name, or --overwrite to replace it")
+    passing = (file.with_name(name.format(file=file)) for name in PASSING)
+    no_link(file, *passing)
     writable(file.parent)
     return file
 

@@ -83,7 +83,7 @@ def scene_file(
     Example: taichi-silo run silo.toml --output outputs/mine --set sand.void_ratio=0.7
     """
     from taichi_silo import cli
-    from taichi_silo.folder import free_name
+    from taichi_silo.folder import free_name, named
     from taichi_silo.scene_file import read_scene
     from taichi_silo.voice import Voice
 
@@ -99,7 +99,6 @@ def scene_file(
     from taichi_silo.observers.progress import ProgressLine
     from taichi_silo.one_run import run as simulate
 
-    name = scene.resolve().parent.name if scene.name == "run.toml" else scene.stem
-    folder = output.expanduser() if output else free_name(Path("outputs") / name)
+    folder = output.expanduser() if output else free_name(Path("outputs") / named(scene))
     voice.say(f"The run goes to {folder}.")
     cli.tell(simulate(wanted, folder, overwrite=overwrite, film=film, extra=(ProgressLine(voice.console),)), voice)

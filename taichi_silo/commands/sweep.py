@@ -53,6 +53,7 @@ def sweep(
     taichi-silo sweep --vary silo.outlet.width_m=0.04,0.08 --vary walls.kind=smooth,very-rough --fidelity draft
     """
     from taichi_silo.faults import RunFailed
+    from taichi_silo.folder import named
     from taichi_silo.sweep.file import wanted
     from taichi_silo.sweep.study import Study
 
@@ -61,7 +62,7 @@ def sweep(
     plan = wanted(file, scene or [], vary or [], flags)
     if not estimate:
         plan.cluster.check()
-    study = Study(plan, output or Path("outputs") / (file.stem if file else "sweep"), voice, overwrite)
+    study = Study(plan, output or Path("outputs") / (named(file) if file else "sweep"), voice, overwrite)
     if estimate:
         costs = study.estimate()
         seconds = {name: cost.core_seconds for name, cost in costs.items()}

@@ -1,14 +1,15 @@
 """A user's measurements: a CSV file of curves or of a wall profile, its units read from the names of its columns."""
 
 import csv
-import difflib
 import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 
+from taichi_silo import reading
 from taichi_silo.faults import BadInput
+from taichi_silo.quoting import near, shown
 
 LENGTH = {"m": 1.0, "mm": 1e-3}
 FORCE = {"N_per_m": 1.0, "kN_per_m": 1e3}
@@ -22,6 +23,7 @@ CURVES = {  # column less its unit: what it is called here, its units
     "wall_friction_angle": ("angle", {"deg": 1.0}),
 }  # fmt: skip
 PROFILE = {"normal_stress": ("normal_stress_Pa", STRESS), "shear_stress": ("shear_stress_Pa", STRESS)}
+LARGEST, MOST_COLUMNS = 20_000_000, 100  # bytes of a file
 STATES = {"filling": "filling", "filled": "filling", "maximum": "maximum", "peak": "maximum", "residual": "residual"}
 WALLS = ("left", "right", "both")
 REMARKS = ("remark", "remarks", "comment", "comments", "note", "notes")  # columns that are passed over
@@ -68,11 +70,8 @@ def read(file: Path) -> Measured:
         if it cannot be read, or a column or a value is not as it must be.
 
     """
-    file = Path(file).expanduser()
-    try:
-        text = file.read_bytes()
-    except OSError as error:
-        raise BadInput(f"{file} cannot be read as a table: {error.strerror or error}") from error
+    file = reading.place(file)
+    text = reading.content(file, "a table", LARGEST)
     if b"\x00" in text:
         raise BadInput(f"{file} cannot be read as a table: it must be text, in UTF-8")
     try:
@@ -83,8 +82,14 @@ def read(file: Path) -> Measured:
     if not lines:
         raise BadInput(f"{file} is empty; its first line must name its columns")
     separator = next((mark for mark in (";", "\t") if mark in lines[0][1]), ",")
+    if lines[0][1].count(separator) > MOST_COLUMNS:
+        columns = lines[0][1].count(separator) + 1
+        raise BadInput(f"{file} has {columns} columns; a table of measurements has at most {MOST_COLUMNS}")
     rows = csv.reader((line for _, line in lines), delimiter=separator)
-    head, *rows = [[cell.strip() for cell in row] for row in rows]
+    try:
+        head, *rows = [[cell.strip() for cell in row] for row in rows]
+    except csv.Error as error:
+        raise BadInput(f"{file} cannot be read as a table: {error}") from error
     while head and not head[-1]:  # what a spreadsheet leaves behind the last column
         head.pop()
     kind, columns = _columns(file, head)
@@ -100,7 +105,7 @@ def read(file: Path) -> Measured:
         for cell, title, (name, factor) in zip(row, head, columns, strict=False):
             if not name:
                 continue
-            where = f"{file}, line {number}: {title} is {cell or 'empty'}"
+            where = f"{file}, line {number}: {title} is {shown(cell)}"
             table[name].append(_word(name, cell, where) if factor is None else factor * _value(cell, where, separator))
     return _ordered(file, kind, pd.DataFrame(table))
 
@@ -111,14 +116,14 @@ def _columns(file: Path, head: list[str]) -> tuple[str, list[tuple[str, float | 
     names, kinds = [name for _, name, _ in found], {kind for kind, *_ in found if kind}
     for name, title in zip(names, head, strict=True):
         if name and names.count(name) > 1:
-            raise BadInput(f"{file} has {title} twice, under one name or another; it must have each quantity once")
+            raise BadInput(f"{file} has {shown(title)} twice, under one name or another; it must be there once")
     if kinds == {"curves", "profile"}:
         raise BadInput(f"{file} has columns of curves and of a wall profile; it must have those of one of them")
     kind = kinds.pop() if kinds else "curves"
     needs = ("height_m",) if kind == "profile" else ("displacement_m", "time_s")
     places, measured = [name for name in names if name in needs], set(names) - set(needs) - {"state", "wall", ""}
     if len(places) != 1 or not measured:
-        raise BadInput(f"{file} has the columns {', '.join(head)}; it must have {right_columns()}")
+        raise BadInput(f"{file} has the columns {shown(', '.join(head))}; it must have {right_columns()}")
     return kind, [(name, factor) for _, name, factor in found]
 
 
@@ -140,20 +145,19 @@ def _column(file: Path, title: str) -> tuple[str, str, float | None]:
                 known_names.append(f"{start}_{unit}")
                 if key == f"{start}_{unit}".casefold():
                     return kind, name, factor
-    near = difflib.get_close_matches(title, known_names, 1, 0.5)
-    if near:
-        raise BadInput(f"{file} has the unknown column {title}; did you mean {near[0]}?")
-    raise BadInput(f"{file} has the unknown column {title or 'without a name'}; it must have {right_columns()}")
+    meant = near(title, known_names, 0.5)
+    if meant:
+        raise BadInput(f"{file} has the unknown column {shown(title)}; did you mean {meant}?")
+    unknown = shown(title) if title else "without a name"
+    raise BadInput(f"{file} has the unknown column {unknown}; it must have {right_columns()}")
 
 
 def right_columns() -> str:
     """Which columns are right, in words."""
     forces = [name for name, (_, units) in CURVES.items() if units is FORCE]
     return (
-        "displacement_m, displacement_mm or time_s with any of "
-        f"{', '.join(f'{name}_N_per_m' for name in forces)} (each also as _kN_per_m) and wall_friction_angle_deg; "
-        "or height_m or height_mm with normal_stress_Pa and shear_stress_Pa (each also as _kPa), and, if you like, "
-        f"state ({', '.join(dict.fromkeys(STATES.values()))}) and wall ({', '.join(WALLS)})"
+        f"displacement_m, displacement_mm or time_s with {', '.join(forces)} (all in _N_per_m or _kN_per_m) or "
+        "wall_friction_angle_deg; or height_m with normal_stress_kPa or shear_stress_kPa"
     )
 
 

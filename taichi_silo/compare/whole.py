@@ -13,8 +13,9 @@ from taichi_silo.compare.measured import read
 from taichi_silo.compare.paper import PaperFindings, against_paper
 from taichi_silo.compare.runs import read_runs
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import writable
+from taichi_silo.folder import no_link, writable
 from taichi_silo.plots.run_files import RunFiles
+from taichi_silo.reading import as_left, place
 
 PRODUCTS = (
     "compare.csv", "janssen.csv", "deviation.csv", "paper.csv", "compare_forces.png", "compare_walls.png",
@@ -63,21 +64,23 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, paper: bool, c
         before anything is written: if a folder or a file is not what it must be, or there is nothing to compare with.
 
     """
-    runs = read_runs(folders)
+    output, runs = place(output, "output"), read_runs(folders)
     measured = [read(file) for file in csv]
     if len({one.place for one in measured if one.kind == "curves"}) > 1:
         raise BadInput("csv: curves are given over displacement and over time; they must all be over one of them")
     if len(runs) == 1 and not (janssen or paper or measured):
         raise BadInput("runs: there is 1; it must be 2 or more, or one with --janssen, --paper or --csv FILE")
-    found = Comparison(
-        runs=runs,
-        differences=tables.differences(runs),
-        janssen=tables.janssen(runs) if janssen else None,
-        deviations=deviations(runs, measured) if measured else None,
-        paper=against_paper(runs) if paper else [],
-        files=[],
-    )
-    output = writable(Path(output))
+    with as_left(runs[0].folder if len(runs) == 1 else f"one of {len(runs)}"):
+        found = Comparison(
+            runs=runs,
+            differences=tables.differences(runs),
+            janssen=tables.janssen(runs) if janssen else None,
+            deviations=deviations(runs, measured) if measured else None,
+            paper=against_paper(runs) if paper else [],
+            files=[],
+        )
+    no_link(*(output / f"{name}{end}" for name in PRODUCTS for end in ("", ".part")))
+    output = writable(output)
     left = {"compare.csv": found.differences, "janssen.csv": found.janssen, "deviation.csv": found.deviations}
     if paper:
         left["paper.csv"] = pd.concat([one.rows for one in found.paper])

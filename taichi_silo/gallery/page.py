@@ -7,6 +7,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from taichi_silo import durable
 from taichi_silo.faults import BadInput
+from taichi_silo.folder import no_link
 from taichi_silo.gallery.runs import Entry, entry, folders
 
 PAGE = "index.html"
@@ -46,6 +47,7 @@ def write(entries: list[Entry], page: Path, title: str) -> Path:
     text = environment.get_template("page.html.j2").render(
         entries=entries, title=title, version=version("taichi-silo")
     )
+    no_link(page / PAGE, page / f"{PAGE}.part")
     with durable.written(page / PAGE) as passing:
         passing.write_text(text, encoding="utf-8")
     return page / PAGE

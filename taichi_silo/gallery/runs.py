@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
+from taichi_silo.faults import BadInput
 from taichi_silo.fields import FIELDS
 from taichi_silo.folder import MADE
 from taichi_silo.gallery import stills
 from taichi_silo.plots.run_files import RunFiles
+from taichi_silo.reading import as_left
 
 FIGURES = {"forces": "P, T and N", "void_ratio": "Void ratio", "wall_stress": "Wall stresses"}
 HALF_WAY, NEAR_END = 0.5, 0.98  # of a film: an emptied silo shows nothing
@@ -44,6 +46,11 @@ def folders(root: Path) -> list[Path]:
 def entry(folder: Path, root: Path, page: Path) -> Entry | None:
     """A run as the page in the folder `page` shows it; None if it has neither a film nor a figure."""
     run = RunFiles.read(folder)
+    try:
+        with as_left(folder):
+            words = _plain(run.title), _state(run.summary), _numbers(run)
+    except BadInput:
+        words = "", "Its files are not as a run leaves them.", ()
     share = HALF_WAY if run.free else NEAR_END
     films = [
         Still(f"Film: {field.scale.label}", picture, _link(folder / f"{name}.mp4", page))
@@ -58,7 +65,7 @@ def entry(folder: Path, root: Path, page: Path) -> Entry | None:
     if not films and not figures:
         return None
     name = folder.relative_to(root).as_posix() if folder != root else folder.resolve().name
-    return Entry(name, _plain(run.title), _state(run.summary), _numbers(run), tuple(films), tuple(figures))
+    return Entry(name, *words, tuple(films), tuple(figures))
 
 
 def _plain(title: str) -> str:

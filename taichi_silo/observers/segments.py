@@ -4,6 +4,7 @@
 """
 
 import contextlib
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 from taichi_silo import durable
 from taichi_silo.faults import BadInput
 from taichi_silo.observers.encoder import FilmError, program
+from taichi_silo.quoting import shown
 
 MARK = ".segment_"
 LISTED = "-protocol_whitelist file,pipe -f concat -safe 0 -i pipe:0"  # names of the pieces come through a pipe
@@ -65,6 +67,10 @@ class Segments:
             if one of them is missing.
 
         """
+        own = re.compile(re.escape(f"{self.path.stem}{MARK}") + r"\d{4,}" + re.escape(self.path.suffix))
+        for name in names:
+            if not own.fullmatch(name):
+                raise BadInput(f"{self.path.parent} cannot be resumed: {shown(name)} is no name of a piece of its film")
         self.pieces = [self.path.with_name(name) for name in names]
         for piece in self.pieces:
             if not piece.exists():

@@ -10,6 +10,7 @@ import pandas as pd
 from matplotlib import rc_context
 
 from taichi_silo import durable
+from taichi_silo.folder import no_link
 from taichi_silo.plots.batch import batch_figure
 from taichi_silo.plots.forces import (
     case_angles_figure,
@@ -95,6 +96,7 @@ def plot_response(table: pd.DataFrame, varied: list[str], response, target: Path
 
 
 def _draw(figures, data, target: Path) -> list[Path]:
+    no_link(target, *(target / f"{name}.png" for name in figures))
     target.mkdir(parents=True, exist_ok=True)
     written = []
     for name, make_figure in figures.items():

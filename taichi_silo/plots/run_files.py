@@ -1,7 +1,5 @@
 """What figures and reports need from a run's folder. Whatever file is missing or damaged reads as empty."""
 
-import json
-import tomllib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -9,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from taichi_silo import vtu
+from taichi_silo import reading, vtu
+from taichi_silo.faults import BadInput
 from taichi_silo.laws import GudehusBauer
 from taichi_silo.scene import LOOSE_FROM
 from taichi_silo.snapshot import figured
@@ -64,8 +63,8 @@ class RunFiles:
         return cls(
             folder=folder,
             label=label or folder.resolve().name,
-            parameters=_tables(folder / "run.toml", tomllib.loads, trouble),
-            summary=_tables(folder / "summary.json", json.loads, trouble),
+            parameters=_tables(folder / "run.toml", lambda file: reading.toml(file, "a run"), trouble),
+            summary=_tables(folder / "summary.json", reading.tables, trouble),
             forces=_table(folder / "forces.csv", FORCES, trouble),
             walls=_table(folder / "walls.csv", WALLS, trouble),
             snapshots=figured(_table(folder / "snapshots/index.csv", SNAPSHOTS, trouble)),
@@ -74,7 +73,8 @@ class RunFiles:
 
     def parameter(self, table: str, name: str, default=None):
         """Return a value of `run.toml`."""
-        return self.parameters.get(table, {}).get(name, default)
+        found = self.parameters.get(table)
+        return found.get(name, default) if isinstance(found, dict) else default
 
     @property
     def wall_kind(self) -> str:
@@ -184,7 +184,11 @@ class RunFiles:
 
     def read_snapshot(self, file: str):
         """Return points (n, 2) [m], void ratio (n,) and side (n,) [m] of the square each point stands for."""
-        places, arrays = vtu.read(self.folder / "snapshots" / file)
+        path = self.folder / "snapshots" / Path(file).name  # no way out of the folder
+        try:
+            places, arrays = vtu.read(path)
+        except Exception as error:  # noqa: BLE001 - whatever a broken file makes of a parser
+            raise BadInput(f"snapshot {path} cannot be read; it is missing or damaged") from error
         void_ratio, volume = (arrays[name].astype(float) for name in ("void_ratio", "volume_m2_per_m"))
         finite = np.isfinite(places).all(axis=1) & np.isfinite(void_ratio) & (volume > 0.0)
         return places[finite, :2], void_ratio[finite], np.sqrt(volume[finite])
@@ -192,11 +196,11 @@ class RunFiles:
 
 def _tables(path: Path, parse, trouble: list) -> dict:
     """Return the tables of a TOML or JSON file, or none if it is not there or damaged."""
-    try:
-        return dict(parse(path.read_text(encoding="utf-8")))
-    except FileNotFoundError:
+    if not path.exists():
         return {}
-    except (OSError, TypeError, ValueError):
+    try:
+        return parse(path)
+    except BadInput:
         trouble.append(f"{path.name} is damaged and was left out.")
         return {}
 
@@ -208,12 +212,14 @@ def _table(path: Path, columns: tuple[str, ...], trouble: list) -> pd.DataFrame:
     missing read as nan; without its first three columns a table is damaged.
     """
     empty = pd.DataFrame({name: pd.Series(dtype=object if name in WORDS else float) for name in columns})
-    try:
-        table = pd.read_csv(path, on_bad_lines="skip", encoding="utf-8")
-        table[list(columns[:3])]
-    except (FileNotFoundError, pd.errors.EmptyDataError):
+    if not path.exists():
         return empty
-    except (OSError, KeyError, ValueError):  # a parser's own errors are ValueErrors
+    try:
+        table = reading.frame(path)
+        if not len(table.columns):
+            return empty
+        table[list(columns[:3])]
+    except (BadInput, KeyError):
         trouble.append(f"{path.name} is damaged and was left out.")
         return empty
     table = table.reindex(columns=[*table.columns, *(name for name in columns if name not in table)])

@@ -2,14 +2,15 @@
 
 import datetime
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import jinja2
 from markupsafe import Markup
 
-from taichi_silo import durable, sands
+from taichi_silo import durable, reading, sands
 from taichi_silo.faults import BadInput
-from taichi_silo.folder import MADE, writable
+from taichi_silo.folder import MADE, no_link, writable
 from taichi_silo.plots import plot_run
 from taichi_silo.plots.run_files import RunFiles
 from taichi_silo.report import media, tables
@@ -21,6 +22,7 @@ from taichi_silo.report.parameters import parameter_tables
 from taichi_silo.report.story import story
 from taichi_silo.report.trust import verdict
 from taichi_silo.report.words import count, kN, mm, number, plain
+from taichi_silo.scene_file import read_scene
 
 FILM = "void_ratio.mp4"
 FIGURES = {  # name: (what it shows, for those who cannot see it; a caption)
@@ -59,14 +61,17 @@ def write_report(folder: Path, file: Path | None = None) -> Path:
 
     """
     run = read_run(folder)
-    if not run.summary or not list((run.folder / "figures").glob("*.png")):
-        _draw(run.folder)
-    file = run.folder / "report.html" if file is None else Path(file).expanduser()
+    file = run.folder / "report.html" if file is None else reading.place(file, "output")
     if file.is_dir():
         raise BadInput(f"output is {file}, a folder; it must be a file, such as {file / 'report.html'}")
+    no_link(file, file.with_name(file.name + ".part"))
     writable(file.parent)
+    with reading.as_left(run.folder):
+        if not run.summary or not list((run.folder / "figures").glob("*.png")):
+            run = replace(run, trouble=(*run.trouble, *_draw(run.folder)))
+        text = page(run)
     with durable.written(file) as passing:
-        passing.write_text(page(run), encoding="utf-8")
+        passing.write_text(text, encoding="utf-8")
     return file
 
 
@@ -79,7 +84,7 @@ def read_run(folder: Path) -> RunFiles:
         if there is none, or it holds no run of a silo.
 
     """
-    folder = Path(folder).expanduser()
+    folder = reading.place(folder, "folder")
     if not folder.is_dir():
         raise BadInput(f"folder is {folder}; it must be the folder of a run, and there is no such folder")
     if not (folder / MADE).is_file():
@@ -93,15 +98,26 @@ def read_run(folder: Path) -> RunFiles:
         run.silo  # noqa: B018 - checks it
     except ValueError as error:
         raise BadInput(f"folder is {folder}; the silo in its {MADE} is not possible") from error
+    read_scene(folder / MADE, threads=1)  # so that no value is of another kind
     return run
 
 
-def _draw(folder: Path) -> None:
-    """The figures of a run that goes on, or ended before it could draw them, where the folder can be written."""
+def _draw(folder: Path) -> list[str]:
+    """The figures of a run that goes on, or ended before it could draw them, where the folder can be written.
+
+    Returns
+    -------
+    A sentence if its files are too damaged for that.
+
+    """
+    no_link(folder / "figures", *(folder / "figures").glob("*"))
     try:
         plot_run(folder)
     except OSError:
-        return
+        return []
+    except BadInput as error:
+        return [f"Figures are missing: {error}."]
+    return []
 
 
 def page(run: RunFiles) -> str:

@@ -1,11 +1,11 @@
 """A table of a sweep's file as its type, or a sentence that says what is wrong with it."""
 
-import difflib
 from typing import TypeVar
 
 from pydantic import ValidationError
 
 from taichi_silo.faults import BadInput
+from taichi_silo.quoting import near, shown
 from taichi_silo.table import Table, one_sentence
 
 Kind = TypeVar("Kind", bound=Table)
@@ -22,9 +22,9 @@ def checked(kind: type[Kind], given: dict, before: str = "") -> Kind:
     """
     for name in given:
         if name not in kind.model_fields:
-            near = difflib.get_close_matches(name, kind.model_fields, 1, 0.5)
-            meant = f"did you mean {before}{near[0]}?" if near else f"there are {', '.join(kind.model_fields)}"
-            raise BadInput(f"{before}{name} is not a parameter of a sweep; {meant}")
+            meant = near(name, kind.model_fields, 0.5)
+            words = f"did you mean {before}{meant}?" if meant else f"there are {', '.join(kind.model_fields)}"
+            raise BadInput(f"{before}{shown(name)} is not a parameter of a sweep; {words}")
     try:
         return kind.model_validate(given)
     except ValidationError as error:

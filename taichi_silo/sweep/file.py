@@ -17,11 +17,12 @@ seed = 1
 "walls.kind" = ["smooth", "very-rough"]
 """
 
-import tomllib
 from pathlib import Path
 
+from taichi_silo import reading
 from taichi_silo.batch.variations import SAND, variation
 from taichi_silo.faults import BadInput
+from taichi_silo.quoting import shown
 from taichi_silo.settings import known
 from taichi_silo.sweep.checked import checked
 from taichi_silo.sweep.clusters import Local, Scheduler, Slurm
@@ -31,7 +32,6 @@ from taichi_silo.sweep.response import Response
 
 KINDS = {"local": Local, "slurm": Slurm, "scheduler": Scheduler}
 WORDS = {"low", "high", "choices"}  # of a quantity's range, by which its table is told from one of the scene
-LARGEST = 10_000_000  # bytes of a file
 
 
 def read(file: Path) -> Sweep:
@@ -43,14 +43,8 @@ def read(file: Path) -> Sweep:
         if it cannot be read, or its values are not possible.
 
     """
-    file = file.expanduser()
-    try:
-        if file.is_file() and file.stat().st_size > LARGEST:
-            raise BadInput(f"{file} has {file.stat().st_size} bytes; a sweep's file has at most {LARGEST}")
-        tables = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        why = getattr(error, "strerror", None) or " ".join(str(error).split())
-        raise BadInput(f"{file} cannot be read as a sweep: {why}") from error
+    file = reading.place(file)
+    tables = reading.toml(file, "a sweep")
     try:
         return of_tables(tables, file.parent)
     except BadInput as error:
@@ -69,15 +63,15 @@ def of_tables(tables: dict, beside: Path) -> Sweep:
     tables = dict(tables)
     for name in ("grid", "latin_hypercube", "response", "cluster"):
         if name in tables and not isinstance(tables[name], dict):
-            raise BadInput(f"{name} is {tables[name]}; it must be a table")
+            raise BadInput(f"{name} is {shown(tables[name])}; it must be a table")
     scene = tables.get("scene", {})
     if isinstance(scene, dict):
         tables["scene"] = _settings({name: one for name, one in scene.items() if name != "program"})  # of a run.toml
     else:
         files = scene if isinstance(scene, list) else [scene]
         if not all(isinstance(one, str) for one in files):
-            raise BadInput(f"scene is {scene}; it must be a file, a list of files, or a table")
-        tables["scene"] = [beside / Path(one).expanduser() for one in files]
+            raise BadInput(f"scene is {shown(scene)}; it must be a file, a list of files, or a table")
+        tables["scene"] = [beside / reading.place(one, "scene") for one in files]
     if "grid" in tables:
         tables["grid"] = {path: _files(path, values, beside) for path, values in _settings(tables["grid"]).items()}
     if "latin_hypercube" in tables:
@@ -90,8 +84,8 @@ def of_tables(tables: dict, beside: Path) -> Sweep:
         tables["response"] = checked(Response, tables["response"], "response.")
     if "cluster" in tables:
         kind = tables["cluster"].get("kind", "local")
-        if kind not in KINDS:
-            raise BadInput(f"cluster.kind is {kind}; it must be one of {', '.join(KINDS)}")
+        if not isinstance(kind, str) or kind not in KINDS:
+            raise BadInput(f"cluster.kind is {shown(kind)}; it must be one of {', '.join(KINDS)}")
         tables["cluster"] = checked(KINDS[kind], tables["cluster"], "cluster.")
     return checked(Sweep, tables)
 
@@ -157,4 +151,6 @@ def _files(path: str, values, beside: Path):
     """The values, those of `sand` that are files with the folder that they are beside."""
     if path != SAND or not isinstance(values, list):
         return values
-    return [str(beside / one) if str(one).lower().endswith(".toml") else one for one in values]
+    return [
+        str(beside / one) if isinstance(one, str) and one.lower().endswith(".toml") else one for one in values
+    ]

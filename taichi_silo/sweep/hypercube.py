@@ -9,6 +9,7 @@ from pydantic import Field, field_validator, model_validator
 from scipy.stats import qmc
 
 from taichi_silo.batch.variations import MOST_RUNS
+from taichi_silo.quoting import shown
 from taichi_silo.sweep.checked import checked
 from taichi_silo.table import Table
 
@@ -67,7 +68,7 @@ class LatinHypercube(Table):
 
     runs: int = Field(ge=2, le=MOST_RUNS)
     seed: int = Field(1, ge=0)
-    between: dict[str, Span | Choices] = Field(min_length=1)
+    between: dict[str, Span | Choices] = Field(min_length=1, max_length=100)
 
     @field_validator("between", mode="before")
     @classmethod
@@ -93,4 +94,5 @@ def _range(path: str, given) -> Span | Choices:
         return checked(Span, {"low": given[0], "high": given[1]}, f"{path}.")
     if isinstance(given, list) and not numbers:
         return checked(Choices, {"choices": given}, f"{path}.")
-    raise ValueError(f"{path} is {given}; it must be [low, high], a list of words, or a table of low, high or choices")
+    right = "[low, high], a list of words, or a table of low, high or choices"
+    raise ValueError(f"{shown(path)} is {shown(given)}; it must be {right}")

@@ -8,6 +8,7 @@ from pydantic import Field, field_validator
 from taichi_silo import fidelity as fidelities
 from taichi_silo.batch.variations import Variation, bases, made, product, refuse, scenes
 from taichi_silo.faults import BadInput
+from taichi_silo.quoting import shown
 from taichi_silo.scene import Scene
 from taichi_silo.settings import changed, whole
 from taichi_silo.sweep.clusters import Cluster, Local
@@ -46,7 +47,7 @@ class Sweep(Table):
     def _lists(cls, given):
         for path, values in given.items() if isinstance(given, dict) else ():
             if not isinstance(values, list | tuple):
-                raise ValueError(f"grid.{path} is {values}; it must be a list of values")
+                raise ValueError(f"grid.{shown(path)} is {shown(values)}; it must be a list of values")
         return given
 
     @property

@@ -1,10 +1,10 @@
 """What of a sweep is drawn: a found quantity against what varied."""
 
-import difflib
 from collections.abc import Iterable
 
 from taichi_silo.batch.table import found
 from taichi_silo.faults import BadInput
+from taichi_silo.quoting import near, shown
 from taichi_silo.table import Table
 
 PRESSURE = "largest_wall_normal_stress_pressure_cell_Pa"
@@ -46,6 +46,6 @@ class Response(Table):
 def _one_of(name: str, value: str, known: Iterable[str]) -> None:
     known = list(known)
     if value not in known:
-        near = difflib.get_close_matches(value, known, 1, 0.4)
-        raise BadInput(f"{name} is {value}; it must be one of {', '.join(known)}" if not near
-                       else f"{name} is {value}; did you mean {near[0]}?")  # fmt: skip
+        meant = near(value, known, 0.4)
+        right = f"did you mean {meant}?" if meant else f"it must be one of {', '.join(known)}"
+        raise BadInput(f"{name} is {shown(value)}; {right}")

@@ -7,9 +7,10 @@ from taichi_silo.batch import table
 from taichi_silo.batch.runs import Run, costs
 from taichi_silo.batch.variations import SAND, differences, used
 from taichi_silo.cost import START_S, Cost
-from taichi_silo.folder import claim, writable
+from taichi_silo.folder import claim, no_link, own, writable
 from taichi_silo.lock import alone
 from taichi_silo.plots import plot_batch, plot_response
+from taichi_silo.reading import place
 from taichi_silo.sweep.clusters import client_of
 from taichi_silo.sweep.plan import Sweep
 from taichi_silo.sweep.progress import Told
@@ -17,6 +18,7 @@ from taichi_silo.tally import Tally
 from taichi_silo.voice import Voice
 
 TABLE = "sweep.csv"
+FIGURES = ("figures/forces.png", "figures/response.png")
 STOPPED = "stopped"
 LOCK = ".sweep"  # in the output: one sweep at a time
 
@@ -42,7 +44,7 @@ class Study:
 
     def __post_init__(self):
         """Make all scenes, and refuse what is not possible."""
-        self.folder = self.folder.expanduser().resolve()  # workers have other working folders
+        self.folder = place(self.folder, "output").resolve()  # workers have other working folders
         scenes = self.sweep.scenes()
         self.columns = differences(scenes, self.sweep.paths)
         self.sweep.response.check(self.columns)
@@ -89,7 +91,11 @@ class Study:
         """
         for machine in {run.scene.machine for run in self.missing.values()}:
             machine.start()
+        no_link(*(self.folder / name for name in (TABLE, f"{TABLE}.part", LOCK, "figures", *FIGURES)))
         writable(self.folder)
+        for run in self.missing.values():
+            if run.folder.exists():
+                own(run.folder)
         with alone(self.folder / LOCK, 0.0, f"output {self.folder} is in use by another sweep"):
             expected = self.estimate()
             for run in self.missing.values() if self.overwrite else ():

@@ -1,11 +1,15 @@
 """What the tests of faults share: a run that nothing befell, and runs without what takes them their time."""
 
+import shutil
+from pathlib import Path
+
 import pytest
 
 from taichi_silo import one_run, runtime, state
 from taichi_silo.one_run import run
 from taichi_silo.scene import Machine
 from taichi_silo.simulation import Simulation
+from tests.faults import bad
 from tests.faults.tiny import SCENE
 
 
@@ -35,3 +39,20 @@ def quick():
 def whole(quick, tmp_path_factory):
     """The folder of a run that nothing befell."""
     return run(SCENE, tmp_path_factory.mktemp("runs") / "whole", film=False)
+
+
+@pytest.fixture(scope="session")
+def plain(tmp_path_factory):
+    """The folder of a run, without figures, to be spoiled in copies."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(one_run._Session, "_draw", lambda self: None)
+        return run(bad.SCENE, tmp_path_factory.mktemp("runs") / "plain", film=False)
+
+
+@pytest.fixture
+def left(plain, tmp_path):
+    """A copy of it, in which it is not finished."""
+    place = Path(shutil.copytree(plain, tmp_path / "left"))
+    made = place / "run.toml"
+    made.write_text(made.read_text().replace("finished = true", "finished = false"))
+    return place

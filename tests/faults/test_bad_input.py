@@ -25,12 +25,12 @@ def refuse(folder, *flags, script=SCRIPT):
 @pytest.mark.parametrize(
     ("flags", "words"),
     [
-        (["--width", "-0.2"], ["width", "-0.2", "above 0"]),
+        (["--width", "-0.2"], ["width", "-0.2", "at least 0.001 and at most 1000"]),
         (["--void-ratio", "0.4"], ["void ratio", "0.4", "0.51", "1.3"]),
         (["--void-ratio", "1.4"], ["void ratio", "1.4", "0.51", "1.3"]),
         (["--void-ratio", "nan"], ["void_ratio", "nan", "finite"]),
         (["--cell-size", "0.03"], ["cell size", "0.03", "divide", "0.2"]),
-        (["--speed", "0"], ["speed", "0", "above 0"]),
+        (["--speed", "0"], ["speed", "0", "at least 1e-09 and at most 1"]),
         (["--displacement", "0.7"], ["displacement", "0.7", "0.5"]),
         (["--points-per-cell", "3"], ["points per cell", "3", "square"]),
         (["--threads", "4000"], ["threads", "4000"]),
@@ -130,7 +130,7 @@ def test_a_run_is_not_overwritten_unasked(tmp_path):
         ("outlet", ["--filling", "snow"], ["snow", "gravity-ramp", "rain"]),
         ("hopper", ["--half-angle", "3"], ["half angle", "3.0 deg", "0.5"]),
         ("insert", ["--insert-width", "0.3"], ["roof", "free of the walls", "0.2"]),
-        ("gravity_discharge", ["--longest", "0"], ["longest_s is 0", "above 0"]),
+        ("gravity_discharge", ["--longest", "0"], ["longest_s is 0", "at least 1e-06"]),
         ("gravity_discharge", ["--speed", "0.1"], ["--speed"]),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) and value[0].startswith("--") else "",

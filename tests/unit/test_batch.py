@@ -80,7 +80,7 @@ def test_columns_are_what_was_asked_for_and_what_differs(tmp_path):
         (["precision=f32"], "precision varies; a scene has no such value"),
         (["machine.threads=2"], "each run of a batch has one thread"),
         (["sand.name=hostun"], "it is only a label"),
-        (["flow.speed_m_per_s=0.01,-1"], "flow.speed_m_per_s=-1: speed_m_per_s is -1; it must be above 0"),
+        (["flow.speed_m_per_s=0.01,-1"], "flow.speed_m_per_s=-1: speed_m_per_s is -1; it must be at least 1e-09"),
         (["walls.kind=smooth,smooth"], "the value smooth is there twice"),
         (["sand=sahara"], "sand=sahara: sand is sahara; it must be"),
         (["sand=hostun", "sand.void_ratio=dense"], "void ratio is dense; it must be a number"),

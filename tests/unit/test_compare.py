@@ -176,9 +176,9 @@ def test_gaps_are_left_out_and_doubles_are_averaged(tmp_path):
     ("text", "words"),
     [
         ("displacement_mm,P_kN\n1,2\n", ["unknown column P_kN", "did you mean P_kN_per_m"]),
-        ("displacement_mm,force\n1,2\n", ["force", "bottom_force_N_per_m", "_kN_per_m", "normal_stress_Pa"]),
+        ("displacement_mm,force\n1,2\n", ["force", "bottom_force", "_kN_per_m", "normal_stress_kPa"]),
         ("P_kN_per_m,N_kN_per_m\n1,2\n", ["P_kN_per_m, N_kN_per_m", "displacement_m"]),
-        ("displacement_mm\n1\n", ["displacement_mm", "left_normal_N_per_m"]),
+        ("displacement_mm\n1\n", ["displacement_mm", "left_normal"]),
         ("displacement_mm,time_s,P_N_per_m\n1,2,3\n", ["displacement_mm, time_s", "displacement_mm or time_s"]),
         ("displacement_mm,P_kN_per_m,bottom_force_N_per_m\n1,2,3\n", ["twice"]),
         ("displacement_mm,normal_stress_Pa\n1,2\n", ["curves", "profile"]),

@@ -6,8 +6,9 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"
 # a module may import those of earlier lines, and of its own line
 LAYERS = [
-    ["runtime", "maths", "tensors", "faults", "barrier", "child", "tally", "processes", "vtu", "durable", "stopping"],
-    ["grid", "particles", "noise", "geometry", "table", "outline", "snapshot", "archive", "lock"],
+    ["runtime", "maths", "tensors", "faults", "barrier", "child", "tally", "processes", "vtu", "durable", "stopping",
+     "quoting"],
+    ["grid", "particles", "noise", "geometry", "table", "outline", "snapshot", "archive", "lock", "reading"],
     ["shapes", "laws", "walls", "averaging", "transfers", "loops"],
     ["theory", "measure"],
     ["phases", "nodes", "survey"],

@@ -112,7 +112,7 @@ def test_ones_own_sand_from_a_file(tmp_path):
     ("change", "words"),
     [
         (("e_c0 = 0.95", "e_c0 = 1.2"), "e_d0 < e_c0 < e_i0"),
-        (("n = 0.3", "n = 1.5"), "below 1"),
+        (("n = 0.3", "n = 1.5"), "at most 0.99"),
         (("alpha = 0.2", "alpha = 4.9"), "h_i"),
         (("alpha = 0.2", "alpah = 0.2"), "lacks alpha"),
         (("d50_m = 0.3e-3", "d50_m = 0.3e-3\ncolour = 1"), "colour"),

@@ -126,7 +126,7 @@ def test_flags_stand_for_a_file():
         ('[grid]\n"flow.speed_m_per_s" = 1.0', r"grid.flow.speed_m_per_s is 1.0; it must be a list of values"),
         ('[grid]\n"flow.speed_m_per_s" = []', "flow.speed_m_per_s varies; it must have a value"),
         ('[grid]\n"flow.speed_m_per_s" = [0.1, 0.1]', "the value 0.1 is there twice"),
-        ('[grid]\n"flow.speed_m_per_s" = [-0.1]', "flow.speed_m_per_s=-0.1: speed_m_per_s is -0.1; it must be above 0"),
+        ('[grid]\n"flow.speed_m_per_s" = [-0.1]', "=-0.1: speed_m_per_s is -0.1; it must be at least 1e-09"),
         ('[grid]\nsand = ["sahara"]', "sand=sahara: sand is sahara; it must be"),
         ('[grid]\n"silo.inserts.0.width_m" = [0.05]', r"silo.inserts.0.kind is missing; it must be given"),
         ('[grid]\n"silo.outlet.width_m" = [0.081]', "outlet width is 0.081 m; its edge .* must lie on the grid"),

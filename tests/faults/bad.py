@@ -1,0 +1,132 @@
+"""What tests of bad input share: how a refusal must look, what lies in a folder, and files that are none."""
+
+import math
+import os
+import re
+import resource
+import socket
+import sys
+import time
+
+import pytest
+from pydantic import ValidationError
+
+from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, app
+from taichi_silo.faults import BadInput
+from taichi_silo.quoting import LONGEST
+from taichi_silo.table import one_sentence
+
+JARGON = re.compile(
+    r"Value error|instance of|Input |dictionary|\btuple|pydantic|validat|<object|Traceback|Error: .*Error|codec"
+)
+SECONDS, ROOM_KB = 5.0, 1 << 20
+SCENE = Scene(
+    silo=Silo(height_m=0.4),
+    grid=Mesh(cell_size_m=0.05),
+    flow=Flow(speed_m_per_s=0.02, displacement_m=0.004),
+    method=Method(filling_time_s=0.1, longest_settling_s=0.0),
+    machine=Machine(threads=1, lanes=False),
+)
+
+SMALL = {  # 8 x 4 cells
+    "silo": {"width_m": 0.2, "height_m": 0.4},
+    "grid": {"cell_size_m": 0.05},
+    "flow": {"speed_m_per_s": 0.02, "displacement_m": 0.01},
+    "method": {"filling_time_s": 0.1, "longest_settling_s": 0.0},
+    "machine": {"threads": 1, "lanes": False},
+}
+
+
+def refusal(make):
+    """The sentence with which something is refused, in seconds and without much memory; None if it is not."""
+    begun, room = time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    try:
+        make()
+    except BadInput as error:
+        words = str(error)
+    except ValidationError as error:
+        words = one_sentence(error)
+    else:
+        words = None
+    assert time.process_time() - begun < SECONDS
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - room < ROOM_KB
+    if words is not None:
+        assert 0 < len(words) <= LONGEST and words.isprintable() and not JARGON.search(words), words
+    return words
+
+
+def contents(folder):
+    """What there is below a folder, links not followed."""
+    return {
+        str(file.relative_to(folder)): os.readlink(file) if file.is_symlink() else file.read_bytes()
+        for file in folder.rglob("*")
+        if file.is_symlink() or file.is_file()
+    }
+
+
+def command(monkeypatch, capsys, *words):
+    """Exit code and stderr of the program."""
+    monkeypatch.setattr(sys, "argv", ["taichi-silo", *map(str, words)])
+    begun = time.process_time()
+    with pytest.raises(SystemExit) as ended:
+        app.main()
+    assert time.process_time() - begun < 2 * SECONDS
+    return ended.value.code, capsys.readouterr().err
+
+
+def refused(monkeypatch, capsys, *words):
+    """The one sentence on stderr."""
+    code, err = command(monkeypatch, capsys, *words)
+    assert code == 2, err
+    assert err.startswith("Error: ") and err.count("\n") == 1 and len(err) < LONGEST + 10, err
+    assert "Traceback" not in err and not JARGON.search(err), err
+    return err
+
+
+def no_file(place):
+    pass
+
+
+def folder(place):
+    place.mkdir()
+
+
+def pipe(place):
+    os.mkfifo(place)
+
+
+def plug(place):
+    with socket.socket(socket.AF_UNIX) as found:
+        here = os.getcwd()
+        os.chdir(place.parent)  # names of sockets are short
+        found.bind(place.name)
+        os.chdir(here)
+
+
+def zeros(place):
+    place.symlink_to("/dev/zero")
+
+
+def broken_link(place):
+    place.symlink_to(place.parent / "gone")
+
+
+def circle(place):
+    place.symlink_to(place)
+
+
+def large(place):
+    with open(place, "wb") as stream:
+        stream.truncate(100_000_000)
+
+
+def holding(content):
+    return lambda place: place.write_bytes(content)
+
+
+def turned(corners, about=(0.1, 0.2), size=0.04):
+    return [[about[0] + size * x, about[1] + size * y] for x, y in corners]
+
+
+SQUARE = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+CIRCLE = [(math.cos(0.002 * math.pi * k), math.sin(0.002 * math.pi * k)) for k in range(1000)]
