@@ -267,6 +267,9 @@ def test_the_command_goes_on_and_says_from_where_and_then_that_there_is_nothing_
     assert "Going on from t = 0." in err and "(flow), u = " in err
     assert json.loads(out)["summary"]["finished"]
     assert_same(left, whole)
+    log = (left / "run.log").read_text()
+    assert log.count("  begins: ") == 2 and log.count("  goes on (flow, u = ") == 1 and log.endswith("  ends\n")
+    assert "ends before its time: stopped at t = 0." in log
     before = contents(left)
     code, out, err = command(monkeypatch, capsys, left)
     assert code == 0 and "is finished; there is nothing to go on with" in out

@@ -14,7 +14,7 @@ SCENE = Scene(
     method=Method(filling_time_s=0.1, longest_settling_s=0.0), machine=Machine(threads=1, lanes=False),
     output=Output(snapshots=12, records_per_period=4),
 )  # fmt: skip
-OWN = ("run.toml", "summary.json", "checkpoint.npz", "checkpoint.previous.npz", "void_ratio.mp4")
+OWN = ("run.toml", "run.log", "summary.json", "checkpoint.npz", "checkpoint.previous.npz", "void_ratio.mp4")
 
 
 def files(folder: Path) -> set[str]:

@@ -127,7 +127,7 @@ def assert_same(one, other, but=()):
     ours, theirs = ({str(file.relative_to(place)) for file in place.rglob("*")} for place in (one, other))
     assert ours == theirs
     assert {"forces.csv", "balance.csv", "walls.csv", "snapshots/filled.vtu", "snapshots/index.csv"} <= ours
-    for name in ours - {"run.toml", "summary.json", "checkpoint.npz", "checkpoint.previous.npz", *but}:
+    for name in ours - {"run.toml", "run.log", "summary.json", "checkpoint.npz", "checkpoint.previous.npz", *but}:
         if (one / name).is_file():
             assert (one / name).read_bytes() == (other / name).read_bytes(), name
     summaries = [json.loads((place / "summary.json").read_text()) for place in (one, other)]
