@@ -62,17 +62,13 @@ class Outside(Check):
         return alarm.at(points["position"][first], points["identity"][first])
 
 
-class _SinceFilling(Check):
-    """Knows the state after filling."""
+class _Since(Check):
+    """Knows an earlier state."""
 
     def begin(self, simulation) -> None:
-        """Nothing is filled yet."""
+        """Nothing is known yet."""
         super().begin(simulation)
-        self.earlier, self.rings = None, None
-
-    def filled(self, points) -> None:
-        """Keep the state that the flow starts from."""
-        self.earlier = points
+        self.earlier = None
 
     def state(self) -> dict:
         """The state to compare with."""
@@ -84,8 +80,17 @@ class _SinceFilling(Check):
         self.earlier = kept.get("earlier")
 
 
-class Ratcheting(_SinceFilling):
+class Ratcheting(_Since):
     """Void ratio lost without shear: oscillations compact the sand while its force curves still look fine."""
+
+    def begin(self, simulation) -> None:
+        """Nothing is filled yet."""
+        super().begin(simulation)
+        self.rings = None
+
+    def filled(self, points) -> None:
+        """Keep the state that the flow starts from."""
+        self.earlier = points
 
     def look(self, record, points) -> Alarm | None:
         """Compare the sand that has not been sheared with its state after filling."""
@@ -109,13 +114,14 @@ class Ratcheting(_SinceFilling):
         return alarm.at(points["position"][where], points["identity"][where])
 
 
-class Inertia(_SinceFilling):
+class Inertia(_Since):
     """The inertial number of the sheared sand in controlled outflow, since the last look."""
 
     def look(self, record, points) -> Alarm | None:
         """Compare."""
-        before, self.earlier = self.earlier, points | {"time_s": record.time_s}
-        if before is None or record.stage != "flow" or self._free or "time_s" not in before:
+        before = self.earlier
+        self.earlier = {"identity": points["identity"], "path": points["path"], "time_s": record.time_s}
+        if before is None or record.stage != "flow" or self._free:
             return None
         scene = self.simulation.scene
         path = points["path"] - matched(before, points)["path"]

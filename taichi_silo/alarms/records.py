@@ -182,7 +182,6 @@ class Energy(_Window):
         """What its books may err by."""
         super().begin(simulation)
         self.rest = REST * simulation.mass * simulation.gravity * simulation.scene.silo.height_m
-        self.stored = None
 
     def look(self, record) -> Alarm | None:
         """Compare over the last period."""

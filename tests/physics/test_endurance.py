@@ -4,6 +4,11 @@ import pytest
 
 from benchmarks import endurance
 from taichi_silo import one_run, runtime
+from taichi_silo.observers import Observer, profiles
+from taichi_silo.observers.checkpoint import Checkpoint
+from taichi_silo.one_run import run
+from taichi_silo.scene import Flow, Output
+from tests.faults import tiny
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -22,14 +27,37 @@ def test_a_silo_that_is_emptied_by_gravity_fills_again_bit_by_bit_alike(tried):
     tried("loads held", "silo emptied to the last point and filled again", found["fills"])
 
 
-def test_a_run_of_many_steps_needs_no_more_memory_than_a_short_one(tmp_path, tried):
-    found = endurance.million(tmp_path, steps=60_000)
-    assert found["growth of memory"] < 0.01, found
-    tried("loads held", "steps of a run with constant memory", found["steps"])
+def size(kept) -> int:
+    """Bytes of what an observer keeps, about."""
+    if isinstance(kept, dict):
+        return sum(size(value) for value in kept.values())
+    return getattr(kept, "nbytes", len(str(kept)))
+
+
+class Sizes(Observer):
+    """What all observers keep, after each fiftieth record of flow, until the states for the flow pattern are kept."""
+
+    def __init__(self):
+        self.count, self.bytes = 0, []
+
+    def observe(self, record):
+        self.count += record.stage == "flow"
+        if record.stage == "flow" and record.displacement_m < 0.026 and self.count % 50 == 0:
+            self.bytes.append(sum(size(one.state()) for one in self.checkpoint.observers.values()))
+
+
+def test_what_is_kept_of_a_run_does_not_grow_with_its_records(tmp_path, monkeypatch):
+    sizes, begin = Sizes(), Checkpoint.begin
+    monkeypatch.setattr(Checkpoint, "begin", lambda self, s: setattr(sizes, "checkpoint", self) or begin(self, s))
+    monkeypatch.setattr(profiles, "MOST_BLOCKS", 2)
+    changed = {"output": Output(snapshots=1), "flow": Flow(speed_m_per_s=0.02, displacement_m=0.03)}
+    run(tiny.SCENE.model_copy(update=changed), tmp_path / "run", film=False, extra=(sizes,))
+    assert len(sizes.bytes) > 12, "whole blocks of profiles"
+    assert max(sizes.bytes[6:]) < 1.03 * max(sizes.bytes[:6])
 
 
 @pytest.mark.long
-def test_nor_does_one_of_a_million_steps(tmp_path, tried):
+def test_a_run_of_a_million_steps_needs_no_more_memory_than_a_short_one(tmp_path, tried):
     found = endurance.million(tmp_path)
     assert found["steps"] >= 1_000_000 and found["growth of memory"] < 0.01, found
     tried("loads held", "steps of a run with constant memory", found["steps"])
