@@ -75,6 +75,7 @@ def test_everything_that_was_tried_is_on_the_page_of_trust():
 def test_groups_and_rows_that_are_new_come_onto_the_page_of_trust(tmp_path, monkeypatch):
     tried = "# make trust\ngroup,what,tests,count\nmoons landed on,a dark one,2,7\n"
     (tmp_path / "trust.csv").write_text(tried, encoding="utf-8")
+    shutil.copy(results.DATA / "endurance.csv", tmp_path)
     page = (DOCS / "validation" / "trust.md").read_text(encoding="utf-8")
     monkeypatch.setattr(results, "DATA", tmp_path)
     shown = rendered(page)

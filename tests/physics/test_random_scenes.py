@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from taichi_silo import runtime, sands
-from taichi_silo.observers.guard import LONGEST_STEP
+from taichi_silo.alarms.records import LONGEST_STEP
 from taichi_silo.scene import Averaging, Flow, Machine, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.shapes import SHAPES
 from taichi_silo.simulation import Simulation

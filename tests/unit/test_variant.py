@@ -43,7 +43,7 @@ def test_every_scenario_offers_every_variant(name):
         (("--transfer", "flop"), "transfer is flop"),
         (("--time-step", "soon"), "time step is soon; it must be auto, or a number of seconds above 0"),
         (("--time-step", "-1e-5"), "time_step_s is -1e-05; it must be at least 1e-09"),
-        (("--cfl", "3"), "cfl is 3.0; it must be at most 2"),
+        (("--cfl", "3"), "cfl is 3.0; it must be at least 0.0001 and at most 2"),
         (("--cfl", "0.3", "--time-step", "1e-5"), "cfl is 0.3; it cannot be given together with a time step"),
         (("--mass-scaling", "0.5"), "mass_scaling is 0.5; it must be at least 1"),
         (("--transfer", "xpic", "--stress-update", "first"), "stress update is first; with the transfer xpic"),
