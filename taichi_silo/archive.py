@@ -5,21 +5,19 @@ The file is a `.npz` without pickled objects: `header` (JSON: format, version of
 by bit.
 """
 
-import contextlib
 import hashlib
 import json
 import math
 import zipfile
-from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
+from taichi_silo import reading
 from taichi_silo.faults import BadInput
 from taichi_silo.quoting import shown
 
-MISFITS = (ArithmeticError, AssertionError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 FORMAT = 2  # of what is kept; a file of another one is refused
 
 
@@ -70,22 +68,9 @@ def read(file: Path) -> tuple[dict, dict]:
         raise Damaged(f"it cannot be read: {error or type(error).__name__}") from error
 
 
-@contextlib.contextmanager
-def understood(folder: Path) -> Iterator[None]:
-    """Refuse to go on from a checkpoint that is whole but holds what no run keeps.
-
-    Raises
-    ------
-    BadInput
-        instead of what a value of a wrong kind makes of the code that uses it.
-
-    """
-    try:
-        yield
-    except BadInput:
-        raise
-    except MISFITS as error:
-        raise BadInput(f"{folder} cannot be resumed: its checkpoint holds what no run keeps") from error
+def understood(folder: Path):
+    """A context that refuses to go on from a checkpoint that is whole but holds what no run keeps (BadInput)."""
+    return reading.sense(f"{folder} cannot be resumed: its checkpoint holds what no run keeps")
 
 
 def need(tree: dict, *paths: str) -> None:

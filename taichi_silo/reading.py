@@ -26,6 +26,7 @@ DEEPEST = 40  # parts of a dotted name, and tables in tables
 LONGEST_HEAD = 20_000  # bytes of the first line of a table
 KINDS = {stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket", stat.S_IFCHR: "a device",
          stat.S_IFBLK: "a device"}  # fmt: skip
+MISFITS = (ArithmeticError, AssertionError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 
 
@@ -158,20 +159,23 @@ def numbers(values) -> pd.Series:
 
 
 @contextlib.contextmanager
-def as_left(folder) -> Iterator[None]:
-    """Refuse a run whose files hold, under the right names, what no run leaves there.
+def sense(words: str) -> Iterator[None]:
+    """Refuse, in these words, what a value of a wrong kind makes of the code that uses it.
 
     Raises
     ------
     BadInput
-        instead of what a value of a wrong kind makes of the code that uses it.
+        instead of any error that such a value leads to.
 
     """
     try:
         yield
     except BadInput:
         raise
-    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
-        raise BadInput(
-            f"folder is {folder}; it must be that of a run, and its files are not as a run leaves them"
-        ) from error
+    except MISFITS as error:
+        raise BadInput(words) from error
+
+
+def as_left(folder):
+    """A context that refuses a run whose files hold, under the right names, what no run leaves there (BadInput)."""
+    return sense(f"folder is {folder}; it must be that of a run, and its files are not as a run leaves them")
