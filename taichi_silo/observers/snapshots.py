@@ -42,14 +42,14 @@ class Snapshots(Observer):
         return {"rows": self.rows, "wanted": self.wanted, "due": self.due}
 
     def restore(self, simulation, kept: dict) -> None:
-        """Take out what was written later."""
+        """Take out what was written later: of the list first, so that whatever is listed is there."""
         self.simulation = simulation
         self.rows, self.wanted, self.due = kept["rows"], kept["wanted"], kept["due"]
+        self._list()
         known = {row["file"] for row in self.rows}
         for file in self.folder.glob("*.vtu"):
             if file.name not in known:
                 file.unlink()
-        self._list()
 
     def observe(self, record) -> None:
         """Write when a displacement is reached, or a share of the filling or the flow is over."""

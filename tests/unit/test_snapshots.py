@@ -195,3 +195,26 @@ def test_figures_and_measures_choose_among_the_named(tmp_path):
     paper = PaperFiles(folder)
     for when, file in (("first", named[0]), ("before", named[2]), ("last", named[3])):
         assert (paper.points(when).position == snapshot.read(folder / "snapshots" / file)["position"]).all()
+
+
+def test_a_death_while_a_run_goes_on_leaves_nothing_listed_that_is_not_there(tmp_path, points, monkeypatch):
+    """What was written after the checkpoint leaves the list before it leaves the disk."""
+    snapshots = Snapshots(tmp_path, [])
+    snapshots.folder.mkdir()
+    snapshots.rows = [
+        {"file": name, "stage": "filling", "time_s": 0.1, "displacement_m": 0.0} for name in ("start.vtu", "film_1.vtu")
+    ]
+    snapshots._list()
+    for row in snapshots.rows:
+        snapshot.write(snapshots.folder / row["file"], points)
+
+    def dies(file, *how, unlink=type(tmp_path).unlink, **ways):
+        unlink(file, *how, **ways)
+        if file.suffix == ".vtu":
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(type(tmp_path), "unlink", dies)
+    with pytest.raises(KeyboardInterrupt):
+        snapshots.restore(None, {"rows": snapshots.rows[:1], "wanted": [], "due": {}})
+    assert pd.read_csv(snapshots.folder / "index.csv")["file"].tolist() == ["start.vtu"]
+    assert [file.name for file in snapshots.folder.glob("*.vtu")] == ["start.vtu"]
