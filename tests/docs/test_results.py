@@ -1,5 +1,6 @@
 """Numbers in the validation pages are read from the stored results."""
 
+import re
 import shutil
 import sys
 
@@ -81,3 +82,17 @@ def test_groups_and_rows_that_are_new_come_onto_the_page_of_trust(tmp_path, monk
     shown = rendered(page)
     assert "## Moons landed on\n" in shown and "| a dark one | 2 | 7 |" in shown and "**7** in all" in shown
     assert "faults survived" not in shown.lower()
+
+
+def test_at_least_five_hundred_inputs_were_tried():
+    rows = results.read("trust.csv")
+    inputs = rows[rows.group.isin(["inputs refused", "inputs run"])]
+    assert inputs["count"].astype(int).sum() >= 500
+
+
+def test_fifty_deaths_were_survived_and_every_alarm_was_fired():
+    rows = results.read("trust.csv")
+    assert rows[rows.what.str.startswith("kill -9")]["count"].astype(int).sum() >= 50
+    fired = set(rows[rows.group == "alarms fired"].what)
+    alarms = (DOCS / "theory" / "alarms.md").read_text(encoding="utf-8")
+    assert {name for name in re.findall(r"^\| `([a-z -]+)` \|", alarms, re.MULTILINE)} <= fired

@@ -208,7 +208,9 @@ def test_a_death_while_a_run_goes_on_leaves_nothing_listed_that_is_not_there(tmp
     for row in snapshots.rows:
         snapshot.write(snapshots.folder / row["file"], points)
 
-    def dies(file, *how, unlink=type(tmp_path).unlink, **ways):
+    unlink = type(tmp_path).unlink
+
+    def dies(file, *how, **ways):
         unlink(file, *how, **ways)
         if file.suffix == ".vtu":
             raise KeyboardInterrupt
