@@ -67,7 +67,8 @@ def test_everything_that_was_tried_is_on_the_page_of_trust():
     page = rendered((DOCS / "validation" / "trust.md").read_text(encoding="utf-8"))
     for group, mine in rows.groupby("group"):
         assert f"## {group.capitalize()}\n" in page
-        assert f"**{mine['count'].astype(int).sum()}** in all" in page
+        if group != "loads held":  # of which some are runs and some are steps
+            assert f"**{mine['count'].astype(int).sum()}** in all" in page
         for row in mine.itertuples():
             assert f"| {row.what} | {row.tests} | {row.count} |" in page
             assert int(row.count) >= 1 <= int(row.tests)
@@ -95,4 +96,4 @@ def test_fifty_deaths_were_survived_and_every_alarm_was_fired():
     assert rows[rows.what.str.startswith("kill -9")]["count"].astype(int).sum() >= 50
     fired = set(rows[rows.group == "alarms fired"].what)
     alarms = (DOCS / "theory" / "alarms.md").read_text(encoding="utf-8")
-    assert {name for name in re.findall(r"^\| `([a-z -]+)` \|", alarms, re.MULTILINE)} <= fired
+    assert {name for name in re.findall(r"^\| `([a-z -]+)` \|", alarms, re.MULTILINE)} - {"name"} <= fired
