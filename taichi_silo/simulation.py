@@ -206,7 +206,8 @@ class Simulation:
             self.displacement -= 0.5 * (plate_velocity[0] + plate_velocity[1]) * duration
         else:  # of a gate that would have let out as much
             self.displacement = gone / (self.density * scene.silo.outlet_share_m)
-        stands = self._stands(reaction) / duration
+        gate_moves = OPENED < plate_velocity[1] < 0.0  # only then does it work on the sand
+        stands = self._stands(reaction) / duration if gate_moves else 0.0
         reaction = self._joined(reaction) / duration
         forces = self.section.forces(reaction)
         force = forces.sum(axis=1)

@@ -32,7 +32,14 @@ def space(scene):
     return found
 
 
-class Outside(Check):
+class _OfPoints(Check):
+    """Sees the states of all points."""
+
+    def filled(self, points) -> None:
+        """Hear which state the flow starts from."""
+
+
+class Outside(_OfPoints):
     """Sand beyond the walls, the floor, or within an insert."""
 
     def begin(self, simulation) -> None:
@@ -62,7 +69,7 @@ class Outside(Check):
         return alarm.at(points["position"][first], points["identity"][first])
 
 
-class _Since(Check):
+class _Since(_OfPoints):
     """Knows an earlier state."""
 
     def begin(self, simulation) -> None:

@@ -43,11 +43,10 @@ class Guard(Observer):
             check.restore(simulation, kept.get("checks", {}).get(type(check).__name__, {}))
 
     def filled(self) -> None:
-        """Show the checks that ask for it the state that the flow starts from."""
+        """Show the checks of points the state that the flow starts from."""
         points = self.simulation.points()
         for check in self.of_points:
-            if hasattr(check, "filled"):
-                check.filled(points)
+            check.filled(points)
 
     def observe(self, record) -> None:
         """Run the checks of records, and now and then those of points."""
@@ -62,11 +61,7 @@ class Guard(Observer):
                 self._take(check.look(record, points))
 
     def _take(self, alarm) -> None:
-        if alarm is not None and self.simulation.alarms.take(alarm, self.simulation):
-            self.simulation.warnings.append(f"{alarm_sentence(self.simulation, alarm.name)}.")
-
-
-def alarm_sentence(simulation, name: str) -> str:
-    """Of an alarm that has been taken."""
-    sentence = simulation.alarms.found[name].sentence
-    return sentence[:1].upper() + sentence[1:]
+        simulation = self.simulation
+        if alarm is not None and simulation.alarms.take(alarm, simulation):
+            sentence = simulation.alarms.found[alarm.name].sentence
+            simulation.warnings.append(f"{sentence[:1].upper()}{sentence[1:]}.")

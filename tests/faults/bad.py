@@ -1,5 +1,6 @@
 """What tests of bad input share: how a refusal must look, what lies in a folder, and files that are none."""
 
+import copy
 import math
 import os
 import re
@@ -130,3 +131,15 @@ def turned(corners, about=(0.1, 0.2), size=0.04):
 
 SQUARE = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
 CIRCLE = [(math.cos(0.002 * math.pi * k), math.sin(0.002 * math.pi * k)) for k in range(1000)]
+
+
+def changed(tables: dict, changes: dict) -> dict:
+    """A copy of a scene's tables with values at dotted paths, whose tables are made where they are not there."""
+    found = copy.deepcopy(tables)
+    for path, value in changes.items():
+        *names, last = path.split(".")
+        table = found
+        for name in names:
+            table = table.setdefault(name, {})
+        table[last] = value
+    return found

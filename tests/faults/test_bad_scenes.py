@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from taichi_silo import reference
 from taichi_silo.scene_file import scene_of
+from tests.faults import bad
 from tests.faults.bad import SMALL, refusal
 from tests.faults.test_edge_scenes import runs
 
@@ -211,13 +212,7 @@ CONFLICTS = [
 
 @pytest.mark.parametrize(("changes", "word"), CONFLICTS, ids=range(len(CONFLICTS)))
 def test_choices_that_do_not_go_together_are_refused(changes, word, tried):
-    tables = copy.deepcopy(SMALL)
-    for path, value in changes.items():
-        *names, last = path.split(".")
-        table = tables
-        for name in names:
-            table = table.setdefault(name, {})
-        table[last] = value
+    tables = bad.changed(SMALL, changes)
     words = refusal(lambda: scene_of(tables))
     assert words is not None and word in words, words
     tried("inputs refused", "choices that do not go together")

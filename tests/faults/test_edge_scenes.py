@@ -1,6 +1,5 @@
 """Scenes at the ends of what is allowed, and calls from Python: they run, and rightly, or are refused in a sentence."""
 
-import copy
 
 import numpy as np
 import pytest
@@ -10,6 +9,7 @@ from taichi_silo.faults import RunFailed
 from taichi_silo.scene import Scene
 from taichi_silo.scene_file import read_scene, scene_of
 from taichi_silo.simulation import Simulation
+from tests.faults import bad
 from tests.faults.bad import CIRCLE, SMALL, SQUARE, refusal, turned
 
 STEPS_MOST = 3000
@@ -82,13 +82,7 @@ EXTREMES = [  # ends of what is allowed
 
 
 def extreme(changes):
-    tables = copy.deepcopy(SMALL)
-    for path, value in changes.items():
-        *names, last = path.split(".")
-        table = tables
-        for name in names:
-            table = table.setdefault(name, {})
-        table[last] = value
+    tables = bad.changed(SMALL, changes)
     if "sand.name" in changes:
         return Scene.model_validate(tables)
     return scene_of(tables)
