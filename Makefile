@@ -40,35 +40,35 @@ silo: $(READY)
 
 # the paper's four mass flows side by side
 four-cases: $(READY)
-	$(BIN)/python scenarios/four_cases.py
+	$(BIN)/python -m validation.four_cases
 
 # what noise does to the wall force
 noise: $(READY)
-	$(BIN)/python scenarios/noise_control.py
+	$(BIN)/python -m validation.noise_control
 
 # element tests of the paper (figures 1 and 2) through the law and through the method
 element-tests: $(READY)
-	$(BIN)/python scenarios/paper_element_tests.py
+	$(BIN)/python -m validation.element_tests
 
 # plane strain compression: every study of the paper's section 5 (figures 4 to 8), and more
 study-biaxial: $(READY)
-	$(BIN)/python scenarios/plane_strain_compression.py --study all
+	$(BIN)/python -m validation.biaxial --study all
 
 # where each variant of the method fails: table, figures, page
 stability: $(READY)
-	$(BIN)/python scenarios/stability.py
+	$(BIN)/python -m validation.stability
 
-# speed against accuracy: error and cost of every dial (short; `scenarios/chart.py --full` takes hours)
+# speed against accuracy: error and cost of every dial (short; `--full` takes hours)
 chart: $(READY)
-	$(BIN)/python scenarios/chart.py
+	$(BIN)/python -m validation.accuracy
 
 # all silo flows of the paper (figures 10 to 22), and the table of its statements (half an hour on one core)
 paper: $(READY)
-	$(BIN)/python scenarios/paper.py
+	$(BIN)/python -m validation.paper
 
 # the paper's statements on silo flow against the runs in outputs/paper (seconds)
 paper-check: $(READY)
-	$(BIN)/python scenarios/paper_check.py
+	$(BIN)/python -m validation.paper.recheck
 
 # the documentation, in site/: open site/index.html
 docs: $(READY)

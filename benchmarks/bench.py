@@ -21,10 +21,11 @@ from benchmarks.figure import draw
 from benchmarks.guard import cost as cost_of_guard
 from benchmarks.roofline import ceilings
 from benchmarks.yardstick import Yardstick
-from taichi_silo import Flow, Mesh, Scene, Silo, Simulation, Walls, runtime
-from taichi_silo.noise import NoiseControl
-from taichi_silo.one_run import run
-from taichi_silo.scene import Averaging, cores
+from taichi_silo import Flow, Mesh, Scene, Silo, Simulation, Walls
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.noise_control import NoiseControl
+from taichi_silo.runs.session import run
+from taichi_silo.scene.scene import Averaging, cores
 
 ROUNDS = 3
 SECONDS = 0.3  # of a measurement
@@ -138,7 +139,7 @@ def alarms(points: int) -> dict:
 def averages(points: int) -> list[dict]:
     """The non-local average on one thread: a step's means, and building all rows once."""
     from benchmarks.phases import Neighbours
-    from taichi_silo.averaging import Gaussian, NonLocal
+    from taichi_silo.mpm.nonlocal_average import Gaussian, NonLocal
 
     rows = []
     for ratio in (1.0, 2.0):  # l_c over the spacing

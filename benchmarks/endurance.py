@@ -22,13 +22,14 @@ from typing import Annotated
 import numpy as np
 from typer import Option
 
-from taichi_silo import cli, runtime
-from taichi_silo.faults import BadInput, Stopped
-from taichi_silo.observers import Observer
-from taichi_silo.one_run import run
-from taichi_silo.scene import Flow, Machine, Mesh, Method, Scene, Walls
-from taichi_silo.simulation import Simulation
-from taichi_silo.vessel import Outlet, Silo
+from taichi_silo.cli import command_line
+from taichi_silo.errors import BadInput, Stopped
+from taichi_silo.mpm import runtime
+from taichi_silo.runs.observers import Observer
+from taichi_silo.runs.session import run
+from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls
+from taichi_silo.scene.silo import Outlet, Silo
+from taichi_silo.simulation.simulation import Simulation
 
 FOLDER = Path("outputs") / "endurance"
 PARTS = ("slow", "memory", "refill")
@@ -179,4 +180,4 @@ def endurance(
 
 
 if __name__ == "__main__":
-    cli.command(endurance)
+    command_line.command(endurance)

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib import rc_context
 
 from benchmarks.roofline import BYTES, FLOPS, NODE_BYTES
-from taichi_silo.plots.style import STYLE, new_figure
+from taichi_silo.show.figures.style import STYLE, new_figure
 
 PHASES = ("particles to grid", "grid", "grid to particles", "law")  # the last: what it adds to the third
 COLORS = ("#0072B2", "#999999", "#56B4E9", "#D55E00")  # told apart by colour-blind eyes

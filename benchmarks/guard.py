@@ -2,8 +2,8 @@
 
 import time
 
-from taichi_silo.observers.guard import EVERY_PERIODS, Guard
-from taichi_silo.simulation import Simulation
+from taichi_silo.runs.observers.guard import EVERY_PERIODS, Guard
+from taichi_silo.simulation.simulation import Simulation
 
 ROUNDS = 2  # of looks at all points
 

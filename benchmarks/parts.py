@@ -18,11 +18,13 @@ from unittest.mock import patch
 
 from typer import Option
 
-from taichi_silo import cli, runtime, scene
-from taichi_silo.laws import integrate
-from taichi_silo.observers.movie import Movie
-from taichi_silo.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
-from taichi_silo.simulation import STEP_SAFETY, Simulation
+from taichi_silo.cli import command_line
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.laws import integrate
+from taichi_silo.scene import scene
+from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
+from taichi_silo.show.film.movie import Movie
+from taichi_silo.simulation.simulation import STEP_SAFETY, Simulation
 
 ROUNDS = 7
 SECONDS = 0.2  # of one measurement
@@ -184,4 +186,4 @@ def markdown(rows: list[dict]) -> str:
 
 
 if __name__ == "__main__":
-    cli.command(parts)
+    command_line.command(parts)

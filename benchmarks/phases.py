@@ -2,11 +2,11 @@
 
 import taichi as ti
 
-from taichi_silo import runtime
-from taichi_silo.lanes import arrays_of_eight
-from taichi_silo.loops import Step
-from taichi_silo.runtime import real
-from taichi_silo.solver import Solver
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.loops import Step
+from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.simd import arrays_of_eight
+from taichi_silo.mpm.solver import Solver
 
 
 @ti.data_oriented

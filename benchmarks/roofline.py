@@ -7,9 +7,9 @@ import time
 
 import taichi as ti
 
-from taichi_silo import runtime
-from taichi_silo.lanes import arrays_of_eight
-from taichi_silo.runtime import LANES, eight
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.runtime import LANES, eight
+from taichi_silo.mpm.simd import arrays_of_eight
 
 CHAINS = 8  # of operations that do not wait for each other
 # operations + - * / sqrt min max select of a point and step (uGIMP, FLIP, Gudehus-Bauer), and bytes of the fields

@@ -15,11 +15,13 @@ import pandas as pd
 from matplotlib import rc_context
 from typer import Argument, Option
 
-from taichi_silo import cli, flags, runtime, sands
-from taichi_silo.element import COLUMNS, TESTS, ElementScene, curve_of
-from taichi_silo.folder import claim, free_name, write_tables
-from taichi_silo.plots.element import element_figure
-from taichi_silo.plots.style import STYLE
+from taichi_silo.cli import command_line, flags
+from taichi_silo.mpm import runtime
+from taichi_silo.runs.run_folder import claim, free_name, write_tables
+from taichi_silo.scene import sands
+from taichi_silo.show.figures.element import element_figure
+from taichi_silo.show.figures.style import STYLE
+from taichi_silo.studies.element_tests import COLUMNS, TESTS, ElementScene, curve_of
 
 
 def element_test(
@@ -74,4 +76,4 @@ def element_test(
 
 
 if __name__ == "__main__":
-    cli.command(element_test)
+    command_line.command(element_test)

@@ -15,11 +15,11 @@ from typing import Annotated
 
 from typer import Option
 
-from taichi_silo import cli, flags
-from taichi_silo.faults import BadInput
-from taichi_silo.scenario import Free
-from taichi_silo.scene import Flow
-from taichi_silo.vessel import Hopper, Outlet, Silo
+from taichi_silo.cli import command_line, flags
+from taichi_silo.cli.scenario_flags import Free
+from taichi_silo.errors import BadInput
+from taichi_silo.scene.scene import Flow
+from taichi_silo.scene.silo import Hopper, Outlet, Silo
 
 
 def gravity_discharge(
@@ -48,4 +48,4 @@ def gravity_discharge(
 
 
 if __name__ == "__main__":
-    cli.command(gravity_discharge)
+    command_line.command(gravity_discharge)

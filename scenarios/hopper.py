@@ -11,9 +11,9 @@ from typing import Annotated
 
 from typer import Option
 
-from taichi_silo import cli, flags
-from taichi_silo.scenario import Controlled
-from taichi_silo.vessel import Hopper, Silo
+from taichi_silo.cli import command_line, flags
+from taichi_silo.cli.scenario_flags import Controlled
+from taichi_silo.scene.silo import Hopper, Silo
 
 
 def hopper(
@@ -38,4 +38,4 @@ def hopper(
 
 
 if __name__ == "__main__":
-    cli.command(hopper)
+    command_line.command(hopper)

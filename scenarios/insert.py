@@ -11,9 +11,9 @@ from typing import Annotated
 
 from typer import Option
 
-from taichi_silo import cli, flags
-from taichi_silo.scenario import Controlled
-from taichi_silo.vessel import Insert, Outlet, Silo
+from taichi_silo.cli import command_line, flags
+from taichi_silo.cli.scenario_flags import Controlled
+from taichi_silo.scene.silo import Insert, Outlet, Silo
 
 
 def insert(
@@ -34,11 +34,9 @@ def insert(
         kind=kind, width_m=insert_width, height_m=insert_height, bottom_m=insert_bottom,
         friction_angle_deg=insert_friction_angle,
     )  # fmt: skip
-    silo = Silo(
-        width_m=width, height_m=height, half=common.half, outlet=Outlet(width_m=outlet_width), inserts=(body,)
-    )
+    silo = Silo(width_m=width, height_m=height, half=common.half, outlet=Outlet(width_m=outlet_width), inserts=(body,))
     common.run(silo, f"insert_{kind}")
 
 
 if __name__ == "__main__":
-    cli.command(insert)
+    command_line.command(insert)

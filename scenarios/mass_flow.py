@@ -10,9 +10,9 @@ along the walls and, as parabolas, through the interior.
 Cost: 4,000 points and about 570,000 steps at the default speed, some five minutes on two cores.
 """
 
-from taichi_silo import cli, flags
-from taichi_silo.scenario import Controlled
-from taichi_silo.vessel import Silo
+from taichi_silo.cli import command_line, flags
+from taichi_silo.cli.scenario_flags import Controlled
+from taichi_silo.scene.silo import Silo
 
 
 def mass_flow(
@@ -27,4 +27,4 @@ def mass_flow(
 
 
 if __name__ == "__main__":
-    cli.command(mass_flow)
+    command_line.command(mass_flow)

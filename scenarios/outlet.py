@@ -12,9 +12,9 @@ wall and fall below it.
 Cost: that of mass flow (4,000 points and about 570,000 steps, some two minutes on two cores).
 """
 
-from taichi_silo import cli, flags
-from taichi_silo.scenario import Controlled
-from taichi_silo.vessel import Outlet, Silo
+from taichi_silo.cli import command_line, flags
+from taichi_silo.cli.scenario_flags import Controlled
+from taichi_silo.scene.silo import Outlet, Silo
 
 
 def outlet(
@@ -34,4 +34,4 @@ def outlet(
 
 
 if __name__ == "__main__":
-    cli.command(outlet)
+    command_line.command(outlet)

@@ -14,14 +14,14 @@ import os
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")  # a run prints only its own lines
 
 HOME = {  # of the public names; each is imported when it is first used, which keeps the program's start short
-    "faults": ("BadInput", "RunFailed", "Stopped"),
-    "record": ("Record",),
+    "errors": ("BadInput", "RunFailed", "Stopped"),
+    "simulation.record": ("Record",),
     "api": ("named_sand", "read_scene", "resume", "run"),
-    "result": ("Result",),
-    "scene": ("Averaging", "Filling", "Flow", "Machine", "Mesh", "Method", "Output", "Scene", "Walls"),
-    "sand": ("IntergranularStrain", "Sand"),
-    "simulation": ("Simulation",),
-    "vessel": ("Hopper", "Insert", "Outlet", "Silo"),
+    "runs.result": ("Result",),
+    "scene.scene": ("Averaging", "Filling", "Flow", "Machine", "Mesh", "Method", "Output", "Scene", "Walls"),
+    "scene.sand": ("IntergranularStrain", "Sand"),
+    "simulation.simulation": ("Simulation",),
+    "scene.silo": ("Hopper", "Insert", "Outlet", "Silo"),
 }
 _MODULES = {name: module for module, names in HOME.items() for name in names}
 __all__ = sorted(_MODULES)  # noqa: PLE0605

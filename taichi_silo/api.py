@@ -5,18 +5,18 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from taichi_silo import one_run
-from taichi_silo.faults import BadInput
-from taichi_silo.folder import free_name
-from taichi_silo.observers import Observer
-from taichi_silo.observers.progress import ProgressLine
-from taichi_silo.quoting import shown
-from taichi_silo.reading import place
-from taichi_silo.result import Result
-from taichi_silo.sands import sand as named_sand
-from taichi_silo.scene import Scene
-from taichi_silo.scene_file import read_scene, scene_of
-from taichi_silo.table import one_sentence
+from taichi_silo.errors import BadInput
+from taichi_silo.runs import session
+from taichi_silo.runs.observers import Observer
+from taichi_silo.runs.observers.progress import ProgressLine
+from taichi_silo.runs.result import Result
+from taichi_silo.runs.run_folder import free_name
+from taichi_silo.scene.sands import sand as named_sand
+from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.scene_files import read_scene, scene_of
+from taichi_silo.utils.bounded_reading import place
+from taichi_silo.utils.messages import shown
+from taichi_silo.utils.schema import one_sentence
 
 __all__ = ["named_sand", "read_scene", "resume", "run"]
 
@@ -41,7 +41,7 @@ def checked(scene: Scene | dict) -> Scene:
 def _observing(extra: tuple) -> None:
     for one in extra:
         if not isinstance(one, Observer):
-            raise BadInput(f"extra is {shown(one)}; it must be observers, see taichi_silo.observers.Observer")
+            raise BadInput(f"extra is {shown(one)}; it must be observers, see taichi_silo.runs.observers.Observer")
 
 
 def run(
@@ -62,7 +62,7 @@ def run(
     overwrite : replace a run that is there.
     film : draw the film.
     progress : say what it will cost, and how far it is.
-    extra : further observers (`taichi_silo.observers.Observer`).
+    extra : further observers (`taichi_silo.runs.observers.Observer`).
 
     Returns
     -------
@@ -82,7 +82,7 @@ def run(
     where = place(folder, "folder") if folder is not None else free_name(Path("outputs") / "run")
     lines = (ProgressLine(),) if progress else ()
     _observing(extra)
-    return Result(one_run.run(scene, where, overwrite=overwrite, film=film, extra=(*extra, *lines)))
+    return Result(session.run(scene, where, overwrite=overwrite, film=film, extra=(*extra, *lines)))
 
 
 def resume(
@@ -117,4 +117,4 @@ def resume(
     """
     lines = (ProgressLine(),) if progress else ()
     _observing(extra)
-    return Result(one_run.resume(place(folder, "folder"), threads=threads, film=film, extra=(*extra, *lines)))
+    return Result(session.resume(place(folder, "folder"), threads=threads, film=film, extra=(*extra, *lines)))

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from taichi_silo import loops as steps
-from taichi_silo import runtime
-from taichi_silo.lanes import Lanes
+from taichi_silo.mpm import loops as steps
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.simd import Lanes
 
 DATA = Path(__file__).parent / "data"
 AFFINITY = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
@@ -105,7 +105,7 @@ def site(tmp_path_factory):
 def small_run():
     """A function that leaves the folder of a real run of seconds: 40 points, a film of two seconds if it is wanted."""
     from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, Walls, run
-    from taichi_silo.observers import movie
+    from taichi_silo.show.film import movie
 
     def leave(folder, film=False, walls="smooth", silo=None, **parts):
         scene = {

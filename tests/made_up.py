@@ -3,11 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from taichi_silo import snapshot
-from taichi_silo.folder import write_parameters
-from taichi_silo.scene import Flow, Mesh, Scene
-from taichi_silo.symmetry import whole_points
-from taichi_silo.vessel import Silo
+from taichi_silo.runs import snapshot
+from taichi_silo.runs.run_folder import write_parameters
+from taichi_silo.scene.scene import Flow, Mesh, Scene
+from taichi_silo.scene.silo import Silo
+from taichi_silo.scene.symmetry import whole_points
 
 SPEED, DEPTH, FILLED_S = 0.02, 0.02, 0.5  # [m/s], [m], [s]
 

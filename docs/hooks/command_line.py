@@ -39,12 +39,12 @@ class Flag:
 
 def commands() -> str:
     """All commands."""
-    from taichi_silo import app
-    from taichi_silo.commands.run import scene_file
+    from taichi_silo.cli import app
+    from taichi_silo.cli.commands.run import scene_file
 
     found = []
     for name in app.COMMANDS:
-        module = importlib.import_module(f"taichi_silo.commands.{name}")
+        module = importlib.import_module(f"taichi_silo.cli.commands.{name}")
         function = getattr(module, "command", None) or getattr(module, name)
         found.append(section(f"taichi-silo {name}", scene_file if name == "run" else function))
     return "\n".join(found)
@@ -52,9 +52,9 @@ def commands() -> str:
 
 def scenarios() -> str:
     """All scenarios; the flags that belong to a silo's run once, before them."""
-    from taichi_silo import catalogue
-    from taichi_silo.flags import GROUPS
-    from taichi_silo.scenario import Controlled, Free
+    from taichi_silo.cli import catalogue
+    from taichi_silo.cli.flags import GROUPS
+    from taichi_silo.cli.scenario_flags import Controlled, Free
 
     functions = {name: of_scenario(catalogue.script(name)) for name in catalogue.scenarios()}
     shared = set(GROUPS[Controlled].flags)
@@ -83,7 +83,7 @@ def of_scenario(file):
 
 def flags_of(function) -> list[Flag]:
     """Flags and arguments of a function, groups spread."""
-    from taichi_silo.flags import with_groups
+    from taichi_silo.cli.flags import with_groups
 
     found = []
     for name, parameter in inspect.signature(with_groups(function)).parameters.items():

@@ -22,7 +22,7 @@ def on_config(config, **_):
 
 def on_files(files, config, **_):
     """The schema that editors read."""
-    from taichi_silo.scene import Scene
+    from taichi_silo.scene.scene import Scene
 
     schema = json.dumps(Scene.model_json_schema(), indent=2, ensure_ascii=False)
     files.append(File.generated(config, SCHEMA, content=f"{schema}\n"))
@@ -38,14 +38,14 @@ def on_page_markdown(markdown: str, page, **_) -> str:
 
 def scene() -> str:
     """Every value of a scene file."""
-    from taichi_silo import reference
+    from taichi_silo.scene import reference
 
     return reference.markdown()
 
 
 def sands() -> str:
     """Constants of the published sands, and where they come from."""
-    from taichi_silo.sands import published
+    from taichi_silo.scene.sands import published
 
     known = published()
     heads = ("name", "φ_c", "h_s, MPa", "n", "α", "β", "e_d0", "e_c0", "e_i0", "grains, kg/m³", "d50, mm")

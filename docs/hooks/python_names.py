@@ -8,7 +8,7 @@ FIELDS = "\n*Its values with units, ranges and defaults: [scene file](scene.md).
 def names() -> str:
     """All of them, by what they are."""
     import taichi_silo
-    from taichi_silo.table import Table
+    from taichi_silo.utils.schema import Table
 
     kinds = {"Functions": [], "Results": [], "Scenes": [], "What goes wrong": []}
     for module, found in taichi_silo.HOME.items():

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from taichi_silo.laws import Elastic
-from taichi_silo.noise import NoiseControl
-from taichi_silo.shapes import Linear, UniformGimp
-from taichi_silo.stability.bodies import block, change, solver
-from taichi_silo.walls import Coulomb, NoSlip, PlaneWall
+from taichi_silo.mpm.laws import Elastic
+from taichi_silo.mpm.noise_control import NoiseControl
+from taichi_silo.mpm.shapes import Linear, UniformGimp
+from taichi_silo.mpm.walls import Coulomb, NoSlip, PlaneWall
+from validation.stability.bodies import block, change, solver
 
 G = 9.81
 BOTH_SHAPES = [Linear(), UniformGimp(0.5)]

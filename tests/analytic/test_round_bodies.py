@@ -7,10 +7,10 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import j0, j1
 
-from taichi_silo.laws import Elastic, GudehusBauer
-from taichi_silo.noise import NoiseControl
-from taichi_silo.specimen import Specimen
-from taichi_silo.walls import Glide, NoSlip, PlaneWall
+from taichi_silo.mpm.laws import Elastic, GudehusBauer
+from taichi_silo.mpm.noise_control import NoiseControl
+from taichi_silo.mpm.walls import Glide, NoSlip, PlaneWall
+from taichi_silo.simulation.specimen import Specimen
 
 SAND = GudehusBauer()
 

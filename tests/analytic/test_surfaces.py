@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from taichi_silo.grid import MARGIN
-from taichi_silo.laws import Elastic
-from taichi_silo.noise import NoiseControl
-from taichi_silo.shapes import UniformGimp
-from taichi_silo.stability.bodies import block, change, solver
-from taichi_silo.walls import Coulomb, NoSlip, PlaneWall, Surface
+from taichi_silo.mpm.grid import MARGIN
+from taichi_silo.mpm.laws import Elastic
+from taichi_silo.mpm.noise_control import NoiseControl
+from taichi_silo.mpm.shapes import UniformGimp
+from taichi_silo.mpm.walls import Coulomb, NoSlip, PlaneWall, Surface
+from validation.stability.bodies import block, change, solver
 
 G, DENSITY = 9.81, 1500.0
 

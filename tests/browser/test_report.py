@@ -2,8 +2,8 @@
 
 import pytest
 
-from taichi_silo.report.page import write_report
-from taichi_silo.vessel import Outlet, Silo
+from taichi_silo.scene.silo import Outlet, Silo
+from taichi_silo.show.report.page import write_report
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,10 @@ import typer
 from typer.main import get_command
 from written import beside, blocks
 
-from taichi_silo import app, catalogue, scenario
-from taichi_silo.commands.run import scene_file
-from taichi_silo.flags import with_groups
-from taichi_silo.scene import Scene
+from taichi_silo.cli import app, catalogue, scenario_flags
+from taichi_silo.cli.commands.run import scene_file
+from taichi_silo.cli.flags import with_groups
+from taichi_silo.scene.scene import Scene
 
 LINES = [
     pytest.param(block, shlex.split(line, comments=True)[1:], id=f"{block} {line}")
@@ -46,8 +46,8 @@ def script(name):
 def wanted(monkeypatch):
     """Scenes that scenarios would have run."""
     scenes = []
-    monkeypatch.setattr(scenario, "run", lambda scene, folder, **_: scenes.append(scene) or folder)
-    monkeypatch.setattr(scenario, "tell", lambda *_: None)
+    monkeypatch.setattr(scenario_flags, "run", lambda scene, folder, **_: scenes.append(scene) or folder)
+    monkeypatch.setattr(scenario_flags, "tell", lambda *_: None)
     return scenes
 
 
@@ -67,7 +67,7 @@ def test_a_command_line_is_one_that_the_program_takes(block, words, wanted, tmp_
     function = script(what)
     monkeypatch.setattr(sys, "argv", ["taichi-silo", *words])
     kinds = {parameter.annotation for parameter in inspect.signature(function).parameters.values()}
-    if kinds & {scenario.Controlled, scenario.Free}:
+    if kinds & {scenario_flags.Controlled, scenario_flags.Free}:
         command_of(function).main(rest, standalone_mode=False)  # values are checked as well
         assert "--explain" in rest or isinstance(wanted[0], Scene)
     else:

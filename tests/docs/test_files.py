@@ -5,9 +5,9 @@ import tomllib
 import pytest
 from written import beside, blocks
 
-from taichi_silo import sands
-from taichi_silo.faults import BadInput
-from taichi_silo.scene_file import scene_of
+from taichi_silo.errors import BadInput
+from taichi_silo.scene import sands
+from taichi_silo.scene.scene_files import scene_of
 
 TOML = [pytest.param(block, id=str(block)) for block in blocks("toml")]
 
@@ -24,14 +24,14 @@ def test_a_file_in_the_pages_is_possible(block, tmp_path):
     else:
         assert block.title == "sweep.toml"
         (tmp_path / "silo.toml").touch()
-        from taichi_silo.sweep.file import read
+        from taichi_silo.studies.sweep.file import read
 
         assert len(read(file).scenes()) > 1
 
 
 @pytest.mark.parametrize("block", [pytest.param(block, id=str(block)) for block in blocks("csv")])
 def test_measurements_in_the_pages_can_be_read(block, tmp_path):
-    from taichi_silo.compare.measured import read
+    from taichi_silo.studies.compare.measured import read
 
     file = tmp_path / block.title
     file.write_text(block.text, encoding="utf-8")

@@ -82,7 +82,7 @@ def test_pages_made_from_the_program_are_there(site, name):
 
 def test_every_command_and_every_public_name_has_a_place(site):
     import taichi_silo
-    from taichi_silo import app, catalogue
+    from taichi_silo.cli import app, catalogue
 
     commands = Page((site / "reference" / "commands.html").read_text(encoding="utf-8")).names
     assert {f"taichi-silo-{name}" for name in app.COMMANDS} <= commands

@@ -9,10 +9,11 @@ import pytest
 from written import DOCS, blocks
 
 import taichi_silo
-from taichi_silo import api, snapshot
-from taichi_silo.observers import Observer
-from taichi_silo.scene import Flow, Machine, Mesh, Method, Scene, Walls
-from taichi_silo.vessel import Silo
+from taichi_silo import api
+from taichi_silo.runs import snapshot
+from taichi_silo.runs.observers import Observer
+from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls
+from taichi_silo.scene.silo import Silo
 
 PAGES = sorted({block.page for block in blocks("python")})
 RESULTS = re.compile(r'Result\("([^"]+)"\)')
@@ -107,7 +108,7 @@ def test_every_column_that_a_run_leaves_is_explained(small):
     assert set(stored) <= set(re.findall(r"`(\w+)`", page))
     assert set(result.summary) <= known
     certificate = (DOCS / "theory" / "certificate.md").read_text(encoding="utf-8")
-    source = (Path(taichi_silo.__file__).parent / "measure" / "certificate.py").read_text(encoding="utf-8")
+    source = (Path(taichi_silo.__file__).parent / "analysis" / "measure" / "certificate.py").read_text(encoding="utf-8")
     lines = set(re.findall(r'"(\w+_\w+)"(?:: |\] =)', source)) | set(result.summary["certificate"])
     assert lines <= set(re.findall(r"`([^`]+)`", certificate))
     assert len(lines) > 12

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from written import DOCS
 
-from taichi_silo.laws import GudehusBauer
-from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
-from taichi_silo.laws.stress_point import StressPoint
-from taichi_silo.shapes import SHAPES
-from taichi_silo.theory.solids import SAND
+from taichi_silo.analysis.theory.solids import SAND
+from taichi_silo.mpm.laws import GudehusBauer
+from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
+from taichi_silo.mpm.laws.stress_point import StressPoint
+from taichi_silo.mpm.shapes import SHAPES
 
 
 def table(page: str, heading: str) -> dict[str, str]:

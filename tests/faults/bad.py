@@ -12,10 +12,11 @@ import time
 import pytest
 from pydantic import ValidationError
 
-from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, app
-from taichi_silo.faults import BadInput
-from taichi_silo.quoting import LONGEST
-from taichi_silo.table import one_sentence
+from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo
+from taichi_silo.cli import app
+from taichi_silo.errors import BadInput
+from taichi_silo.utils.messages import LONGEST
+from taichi_silo.utils.schema import one_sentence
 
 JARGON = re.compile(
     r"Value error|instance of|Input |dictionary|\btuple|pydantic|validat|<object|Traceback|Error: .*Error|codec"

@@ -6,10 +6,12 @@ from pathlib import Path
 import pytest
 import taichi as ti
 
-from taichi_silo import one_run, runtime, state
-from taichi_silo.one_run import run
-from taichi_silo.scene import Machine
-from taichi_silo.simulation import Simulation
+from taichi_silo.mpm import runtime
+from taichi_silo.runs import session
+from taichi_silo.runs.session import run
+from taichi_silo.scene.scene import Machine
+from taichi_silo.simulation import restart
+from taichi_silo.simulation.simulation import Simulation
 from tests.faults import bad
 from tests.faults.tiny import SCENE
 
@@ -23,17 +25,17 @@ def quick():
         program = ti.lang.impl.get_runtime().prog
         if not made or made[2] is not program:  # fields die with the Taichi that they are of
             first = Simulation(scene)
-            made[:] = first, state.of(first), program
+            made[:] = first, restart.of(first), program
         found, start, _ = made
         found.scene, found.warnings = scene, []
-        state.restore(found, start)
+        restart.restore(found, start)
         return found
 
     with pytest.MonkeyPatch.context() as patch:
         runtime.init()
         patch.setattr(Machine, "start", lambda self: None)
-        patch.setattr(one_run, "Simulation", simulation)
-        patch.setattr(one_run._Session, "_draw", lambda self: None)
+        patch.setattr(session, "Simulation", simulation)
+        patch.setattr(session._Session, "_draw", lambda self: None)
         yield
 
 
@@ -47,7 +49,7 @@ def whole(quick, tmp_path_factory):
 def plain(tmp_path_factory):
     """The folder of a run, without figures, to be spoiled in copies."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(one_run._Session, "_draw", lambda self: None)
+        patch.setattr(session._Session, "_draw", lambda self: None)
         return run(bad.SCENE, tmp_path_factory.mktemp("runs") / "plain", film=False)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from taichi_silo import app
+from taichi_silo.cli import app
 
 
 @contextlib.contextmanager

@@ -8,16 +8,18 @@ import numpy as np
 import pytest
 import shapely
 
-from taichi_silo import Flow, Machine, Mesh, Method, RunFailed, Scene, Silo, one_run, run, runtime
-from taichi_silo.alarms import points as of_points
-from taichi_silo.alarms import records as of_records
-from taichi_silo.alarms.alarm import Alarm, Alarms
-from taichi_silo.observers import Observer, guard
-from taichi_silo.observers.guard import Guard
-from taichi_silo.sand import Sand
-from taichi_silo.scene import Filling, Walls
-from taichi_silo.simulation import Simulation
-from taichi_silo.vessel import Hopper, Insert, Outlet
+from taichi_silo import Flow, Machine, Mesh, Method, RunFailed, Scene, Silo, run
+from taichi_silo.mpm import runtime
+from taichi_silo.runs import session
+from taichi_silo.runs.alarms import of_points as of_points
+from taichi_silo.runs.alarms import of_records as of_records
+from taichi_silo.runs.observers import Observer, guard
+from taichi_silo.runs.observers.guard import Guard
+from taichi_silo.scene.sand import Sand
+from taichi_silo.scene.scene import Filling, Walls
+from taichi_silo.scene.silo import Hopper, Insert, Outlet
+from taichi_silo.simulation.alarm import Alarm, Alarms
+from taichi_silo.simulation.simulation import Simulation
 
 SCENE = Scene(
     silo=Silo(height_m=0.4), grid=Mesh(cell_size_m=0.05), walls=Walls(kind="smooth"),
@@ -77,7 +79,7 @@ def often(monkeypatch):
 def bare():
     """Figures take longer than these runs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(one_run._Session, "_draw", lambda self: None)
+        patch.setattr(session._Session, "_draw", lambda self: None)
         yield
 
 
@@ -323,6 +325,7 @@ def test_a_run_with_which_nothing_is_wrong_raises_none(name, often, tried):
 def test_the_space_for_sand_is_the_silo_the_opening_and_what_is_above():
     scene = SCENE.model_copy(update={"silo": SILENT["insert"]["silo"]})
     space = of_points.space(scene)
+
     def holds(x, y):
         return bool(shapely.contains_xy(space, x, y))
 

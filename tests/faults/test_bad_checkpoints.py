@@ -10,11 +10,11 @@ import zipfile
 import numpy as np
 import pytest
 
-from taichi_silo import archive
-from taichi_silo.faults import BadInput
-from taichi_silo.observers.checkpoint import NAME, PREVIOUS
-from taichi_silo.observers.segments import Segments
-from taichi_silo.one_run import resume
+from taichi_silo.errors import BadInput
+from taichi_silo.runs.observers.checkpoint import NAME, PREVIOUS
+from taichi_silo.runs.session import resume
+from taichi_silo.show.film.segments import Segments
+from taichi_silo.utils import checked_npz
 from tests.faults.bad import ROOM_KB, SECONDS, broken_link, contents, folder, pipe, refusal, zeros
 
 RNG = np.random.default_rng(5)
@@ -48,13 +48,13 @@ def crafted(tree):
     """A checkpoint with a valid checksum."""
     file = io.BytesIO()
     arrays = {}
-    content = json.dumps(archive._without_arrays(tree, "", arrays), default=lambda value: value.item())
-    header = {"format": archive.FORMAT, "taichi_silo": "0", "sha256": archive._checksum(content, arrays)}
+    content = json.dumps(checked_npz._without_arrays(tree, "", arrays), default=lambda value: value.item())
+    header = {"format": checked_npz.FORMAT, "taichi_silo": "0", "sha256": checked_npz._checksum(content, arrays)}
     np.savez(file, header=json.dumps(header), content=content, **arrays)
     return file.getvalue()
 
 
-GOOD = {"header.npy": words(json.dumps({"format": archive.FORMAT, "sha256": ""})), "content.npy": words("{}")}
+GOOD = {"header.npy": words(json.dumps({"format": checked_npz.FORMAT, "sha256": ""})), "content.npy": words("{}")}
 ARCHIVES = {
     "nothing": b"",
     "noise": RNG.bytes(5000),
@@ -85,8 +85,8 @@ def test_foreign_and_crafted_checkpoints_are_damaged_and_run_no_code(tmp_path, t
     for kind, data in ARCHIVES.items():
         file.write_bytes(data)
         begun, room = time.monotonic(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        with pytest.raises((archive.Damaged, BadInput)):
-            archive.read(file)
+        with pytest.raises((checked_npz.Damaged, BadInput)):
+            checked_npz.read(file)
         assert time.monotonic() - begun < SECONDS, kind
         assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - room < ROOM_KB, kind
         words = refusal(lambda: resume(tmp_path))
@@ -106,7 +106,7 @@ def test_a_checkpoint_that_is_no_file_is_refused(tmp_path, tried):
 
 
 def test_a_checkpoint_of_another_run_is_refused(left, tried):
-    header, kept = archive.read(left / NAME)
+    header, kept = checked_npz.read(left / NAME)
     kept["scene"]["flow"]["displacement_m"] = 0.01
     (left / NAME).write_bytes(crafted(kept))
     before = contents(left)
@@ -132,7 +132,7 @@ SPOILS = {
 
 @pytest.mark.parametrize("kind", SPOILS)
 def test_a_checkpoint_that_is_whole_but_holds_something_else_is_refused(kind, left, tried):
-    header, kept = archive.read(left / NAME)
+    header, kept = checked_npz.read(left / NAME)
     SPOILS[kind](kept)
     for name in (NAME, PREVIOUS):
         (left / name).write_bytes(crafted(kept))
@@ -151,7 +151,7 @@ def test_names_in_a_checkpoint_never_lead_out_of_its_folder(left, tmp_path, trie
         before = contents(left)
         assert refusal(lambda name=name: film.go_on([name])) is not None, name
         assert contents(left) == before
-    header, kept = archive.read(left / NAME)
+    header, kept = checked_npz.read(left / NAME)
     kept["observers"]["film"] = {"curves": np.zeros((0, 4)), "drawn": {}, "pieces": names[:1]}
     row = {"file": "../../precious.vtu", "stage": "x", "time_s": 0, "displacement_m": 0}
     kept["observers"]["snapshots"]["rows"] = [row]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from taichi_silo import sands
-from taichi_silo.compare.measured import read as read_measured
+from taichi_silo.scene import sands
+from taichi_silo.studies.compare.measured import read as read_measured
 from tests.faults.bad import refusal, refused
 
 RNG = np.random.default_rng(5)

@@ -10,11 +10,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from taichi_silo import sands, snapshot
-from taichi_silo.compare.measured import read as read_measured
-from taichi_silo.drawing import read_silo
-from taichi_silo.scene_file import read_scene
-from taichi_silo.sweep.file import read as read_sweep
+from taichi_silo.runs import snapshot
+from taichi_silo.scene import sands
+from taichi_silo.scene.dxf import read_silo
+from taichi_silo.scene.scene_files import read_scene
+from taichi_silo.studies.compare.measured import read as read_measured
+from taichi_silo.studies.sweep.file import read as read_sweep
 from tests.faults.bad import broken_link, circle, folder, holding, large, no_file, pipe, plug, refusal, zeros
 
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from taichi_silo import Result, snapshot
-from taichi_silo.plots.run_files import FORCES as COLUMNS
-from taichi_silo.quoting import LONGEST
+from taichi_silo import Result
+from taichi_silo.runs import snapshot
+from taichi_silo.show.figures.run_files import FORCES as COLUMNS
+from taichi_silo.utils.messages import LONGEST
 from tests.faults.bad import JARGON, circle, command, folder, holding, no_file, refusal, refused
 
 RNG = np.random.default_rng(5)

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from taichi_silo.scene_file import scene_of
+from taichi_silo.scene.scene_files import scene_of
 from tests.faults.bad import CIRCLE, SMALL, SQUARE, refusal, turned
 
 POLYGONS = {  # corners about the origin, and the word with which they are refused, or nothing

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from taichi_silo import reference
-from taichi_silo.scene_file import scene_of
+from taichi_silo.scene import reference
+from taichi_silo.scene.scene_files import scene_of
 from tests.faults import bad
 from tests.faults.bad import SMALL, refusal
 from tests.faults.test_edge_scenes import runs

@@ -14,12 +14,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, app, archive, lock, one_run
-from taichi_silo.faults import BadInput, Stopped
-from taichi_silo.observers import Observer, checkpoint
-from taichi_silo.observers.checkpoint import NAME, PREVIOUS
-from taichi_silo.one_run import resume, run
-from taichi_silo.scene import Output
+from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo
+from taichi_silo.cli import app
+from taichi_silo.errors import BadInput, Stopped
+from taichi_silo.runs import session
+from taichi_silo.runs.observers import Observer, checkpoint
+from taichi_silo.runs.observers.checkpoint import NAME, PREVIOUS
+from taichi_silo.runs.session import resume, run
+from taichi_silo.scene.scene import Output
+from taichi_silo.utils import checked_npz, file_lock
 
 ROOT = Path(__file__).parents[2]
 SCENE = Scene(
@@ -64,7 +67,7 @@ class Counter(Observer):
 def bare():
     """Figures take longer than these runs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(one_run._Session, "_draw", lambda self: None)
+        patch.setattr(session._Session, "_draw", lambda self: None)
         yield
 
 
@@ -120,14 +123,14 @@ def equal(one, other):
 
 @pytest.fixture
 def file(tmp_path):
-    archive.write(tmp_path / "tree.npz", TREE)
+    checked_npz.write(tmp_path / "tree.npz", TREE)
     return tmp_path / "tree.npz"
 
 
 def test_what_was_written_comes_back_bit_by_bit(file):
-    header, tree = archive.read(file)
+    header, tree = checked_npz.read(file)
     assert equal(tree, TREE) and equal(TREE, tree)
-    assert header["format"] == archive.FORMAT and header["taichi_silo"]
+    assert header["format"] == checked_npz.FORMAT and header["taichi_silo"]
 
 
 def test_no_damage_passes_for_what_was_written(file):
@@ -138,14 +141,14 @@ def test_no_damage_passes_for_what_was_written(file):
         content[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
         file.write_bytes(content)
         try:
-            assert equal(archive.read(file)[1], TREE)
-        except archive.Damaged:
+            assert equal(checked_npz.read(file)[1], TREE)
+        except checked_npz.Damaged:
             found += 1
     assert found > 200
     for _ in range(30):
         file.write_bytes(whole[: rng.randrange(len(whole))])
-        with pytest.raises(archive.Damaged):
-            archive.read(file)
+        with pytest.raises(checked_npz.Damaged):
+            checked_npz.read(file)
 
 
 def test_numbers_that_were_changed_by_hand_do_not_fit_the_checksum(file):
@@ -153,8 +156,8 @@ def test_numbers_that_were_changed_by_hand_do_not_fit_the_checksum(file):
         arrays = {name: stored[name] for name in stored.files}
     arrays["points/identity"][3] = 7
     np.savez(file, **arrays)
-    with pytest.raises(archive.Damaged, match="checksum"):
-        archive.read(file)
+    with pytest.raises(checked_npz.Damaged, match="checksum"):
+        checked_npz.read(file)
 
 
 class Trap:
@@ -165,8 +168,8 @@ class Trap:
 def test_a_pickled_object_is_not_unpacked(tmp_path):
     Trap.place = tmp_path / "sprung"
     np.savez(tmp_path / "trap.npz", header=np.array([Trap()], dtype=object))
-    with pytest.raises(archive.Damaged):
-        archive.read(tmp_path / "trap.npz")
+    with pytest.raises(checked_npz.Damaged):
+        checked_npz.read(tmp_path / "trap.npz")
     assert not Trap.place.exists()
 
 
@@ -213,7 +216,7 @@ def test_a_checkpoint_of_another_format_is_refused(left, number, words):
     header = json.loads(str(arrays["header"])) | {"format": number}
     arrays["header"] = json.dumps(header if number else {"time_s": 0.1})
     np.savez(left / NAME, **arrays)
-    with pytest.raises(BadInput, match=f"{NAME} {words}; this version .* goes on from format {archive.FORMAT}"):
+    with pytest.raises(BadInput, match=f"{NAME} {words}; this version .* goes on from format {checked_npz.FORMAT}"):
         resume(left)
 
 
@@ -236,7 +239,7 @@ def test_a_disk_that_is_full_costs_a_checkpoint_but_not_the_run(tmp_path, whole,
         file.write_bytes(b"half of it")
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(archive, "write", write)
+    monkeypatch.setattr(checked_npz, "write", write)
     run(SCENE, tmp_path / "run", film=False)
     assert len(written) == 3, "at the start, after filling, at the end"
     assert not list((tmp_path / "run").glob("checkpoint*"))
@@ -317,7 +320,7 @@ def test_a_run_that_is_killed_and_stopped_again_and_again_loses_nothing(tmp_path
         assert checkpoint.latest(folder)[1] == [], "whatever ends it leaves no damaged checkpoint"
     resume(folder)
     assert_same(folder, whole)
-    assert not list(folder.rglob("*part*")) and not (folder / lock.NAME).exists()
+    assert not list(folder.rglob("*part*")) and not (folder / file_lock.NAME).exists()
 
 
 def test_a_second_run_in_the_same_folder_is_refused_until_the_first_is_gone(left):
@@ -334,7 +337,7 @@ def test_a_second_run_in_the_same_folder_is_refused_until_the_first_is_gone(left
     assert contents(left) == before
     holder.kill()
     holder.wait()
-    assert (left / lock.NAME).exists(), "what is left of it is in nobody's way"
-    with lock.held(left):
+    assert (left / file_lock.NAME).exists(), "what is left of it is in nobody's way"
+    with file_lock.held(left):
         pass
-    assert not (left / lock.NAME).exists()
+    assert not (left / file_lock.NAME).exists()

@@ -9,9 +9,9 @@ from collections import Counter
 
 import pytest
 
-from taichi_silo import durable
-from taichi_silo.observers import checkpoint
-from taichi_silo.one_run import resume, run
+from taichi_silo.runs.observers import checkpoint
+from taichi_silo.runs.session import resume, run
+from taichi_silo.utils import atomic_write
 from tests.faults.tiny import ROOT, SCENE, assert_same, assert_sound
 
 OFTEN = SCENE.model_copy(update={"output": SCENE.output.model_copy(update={"checkpoint_s": 0.03})})
@@ -73,7 +73,7 @@ def photographed(folder, monkeypatch):
         ("summary.json.part", "sync", 1): "before the summary has its name",
         ("run.toml.part", "sync", 2): "before the end is noted",
     }
-    replace, sync = type(folder).replace, durable.sync
+    replace, sync = type(folder).replace, atomic_write.sync
 
     def seen(file, what):
         counts[file.name, what] += 1
@@ -87,7 +87,7 @@ def photographed(folder, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(type(folder), "replace", replaced)
-        patch.setattr(durable, "sync", lambda file: (seen(file, "sync"), sync(file)))
+        patch.setattr(atomic_write, "sync", lambda file: (seen(file, "sync"), sync(file)))
         run(SCENE, folder, film=False)
     assert set(copies) == set(moments.values()), counts
     return copies

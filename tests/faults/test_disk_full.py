@@ -8,12 +8,15 @@ from fnmatch import fnmatch
 import pandas as pd
 import pytest
 
-from taichi_silo import durable, one_run, plots
-from taichi_silo.batch import table
-from taichi_silo.faults import MachineFailed
-from taichi_silo.observers import checkpoint, movie
-from taichi_silo.observers.forces import Table
-from taichi_silo.one_run import resume, run
+from taichi_silo.errors import MachineFailed
+from taichi_silo.runs import session
+from taichi_silo.runs.observers import checkpoint
+from taichi_silo.runs.observers.forces import Table
+from taichi_silo.runs.session import resume, run
+from taichi_silo.show import figures
+from taichi_silo.show.film import movie
+from taichi_silo.studies.sweep import table
+from taichi_silo.utils import atomic_write
 from tests import made_up
 from tests.faults.machine import Disk, command, files_end_at
 from tests.faults.tiny import SCENE, assert_readable, assert_same, assert_sound, files
@@ -26,14 +29,14 @@ AT_THE_END = ("walls.csv", "summary.json", "forces.png", "run.toml")
 @pytest.fixture(autouse=True, scope="module")
 def one_figure():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plots, "RUN_FIGURES", {"forces": plots.RUN_FIGURES["forces"]})
+        patch.setattr(figures, "RUN_FIGURES", {"forces": figures.RUN_FIGURES["forces"]})
         yield
 
 
 @contextlib.contextmanager
 def full_at(pattern, after=0):
     """Within, files of such a name take no more than some bytes, once so many of them were written."""
-    written, write, count = durable.written, Table._write, 0
+    written, write, count = atomic_write.written, Table._write, 0
 
     def due(file):
         nonlocal count
@@ -50,7 +53,7 @@ def full_at(pattern, after=0):
             write(self, cells)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(durable, "written", limited)
+        patch.setattr(atomic_write, "written", limited)
         patch.setattr(Table, "_write", row)
         yield
 
@@ -63,8 +66,8 @@ def test_every_file_of_a_run_may_find_the_disk_full(tmp_path, whole, monkeypatch
         assert not [name for name in files(folder) if ".part" in name]
         assert_sound(folder, whole)
         assert (folder / "forces.csv").read_bytes().endswith(b"\n")
-        monkeypatch.setattr(one_run._Session, "_draw", lambda self, pattern=pattern: (
-            plots.plot_run(self.folder) if pattern.endswith(".png") else None))  # fmt: skip
+        monkeypatch.setattr(session._Session, "_draw", lambda self, pattern=pattern: (
+            figures.plot_run(self.folder) if pattern.endswith(".png") else None))  # fmt: skip
         after = 1 if pattern == "run.toml" else after
         with full_at(pattern, after):
             code, err = command(monkeypatch, capsys, "resume", folder, "--quiet")
@@ -94,7 +97,7 @@ def test_without_room_for_a_checkpoint_the_run_ends_and_without_any_it_begins_ag
 @pytest.fixture(scope="module")
 def left(tmp_path_factory):
     folder = made_up.leave(tmp_path_factory.mktemp("left") / "run", states=12)
-    plots.plot_run(folder)
+    figures.plot_run(folder)
     shutil.copytree(folder, folder.with_name("other"))
     return folder
 

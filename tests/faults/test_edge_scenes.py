@@ -1,14 +1,14 @@
 """Scenes at the ends of what is allowed, and calls from Python: they run, and rightly, or are refused in a sentence."""
 
-
 import numpy as np
 import pytest
 
-from taichi_silo import api, runtime
-from taichi_silo.faults import RunFailed
-from taichi_silo.scene import Scene
-from taichi_silo.scene_file import read_scene, scene_of
-from taichi_silo.simulation import Simulation
+from taichi_silo import api
+from taichi_silo.errors import RunFailed
+from taichi_silo.mpm import runtime
+from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.scene_files import read_scene, scene_of
+from taichi_silo.simulation.simulation import Simulation
 from tests.faults import bad
 from tests.faults.bad import CIRCLE, SMALL, SQUARE, refusal, turned
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from taichi_silo import runtime
+from taichi_silo.mpm import runtime
 from tests.faults.machine import command
 from tests.faults.tiny import files
 

@@ -13,12 +13,13 @@ from pathlib import Path
 import imageio_ffmpeg
 import pytest
 
-from taichi_silo import memory
-from taichi_silo.batch.runs import Run
-from taichi_silo.faults import BadInput, MachineFailed
-from taichi_silo.observers import Observer, encoder, movie
-from taichi_silo.one_run import resume, run
-from taichi_silo.scene import Averaging, Mesh
+from taichi_silo.errors import BadInput, MachineFailed
+from taichi_silo.runs.observers import Observer
+from taichi_silo.runs.session import resume, run
+from taichi_silo.scene import memory_need
+from taichi_silo.scene.scene import Averaging, Mesh
+from taichi_silo.show.film import encoder, movie
+from taichi_silo.studies.sweep.runs import Run
 from tests.faults.machine import Disk, command, nobody
 from tests.faults.tiny import SCENE, assert_readable, assert_same, assert_sound, files
 
@@ -214,13 +215,13 @@ def test_an_ffmpeg_that_dies_costs_the_rest_of_the_film(tmp_path, whole, tried):
 def test_a_scene_larger_than_the_memory_is_refused_before_any_work(tmp_path, monkeypatch, capsys, tried):
     local = Averaging(characteristic_length_m=0.0)
     scene = SCENE.model_copy(update={"grid": Mesh(cell_size_m=0.001), "averaging": local})
-    assert memory.needed(SCENE) < memory.needed(scene) < 2 * memory.GIB < memory.available()
+    assert memory_need.needed(SCENE) < memory_need.needed(scene) < 2 * memory_need.GIB < memory_need.available()
     group = tmp_path / "memory.max"
-    monkeypatch.setattr(memory, "GROUPS", (tmp_path / "none", group))
+    monkeypatch.setattr(memory_need, "GROUPS", (tmp_path / "none", group))
     group.write_text("max\n")
-    unlimited = memory.available()
+    unlimited = memory_need.available()
     group.write_text("300000000\n")
-    assert memory.available() == 3e8 < unlimited
+    assert memory_need.available() == 3e8 < unlimited
     with pytest.raises(BadInput, match=r"80,000 points need about 0\.\d+ GiB of memory, and .* at most 0.279 GiB"):
         run(scene, tmp_path / "run", film=False)
     words = ("run", "outlet", "--output", tmp_path / "run", "--cell-size", "0.0005", "--quiet")

@@ -5,9 +5,9 @@ import shutil
 
 import pytest
 
-from taichi_silo import archive
-from taichi_silo.faults import BadInput
-from taichi_silo.one_run import resume
+from taichi_silo.errors import BadInput
+from taichi_silo.runs.session import resume
+from taichi_silo.utils import checked_npz
 
 
 @pytest.mark.parametrize("number", [1])
@@ -15,7 +15,7 @@ def test_a_checkpoint_of_an_older_version_is_refused_clearly(tmp_path, data, tri
     """`checkpoint_format_1.npz` was written by the version that had it."""
     shutil.copy(data / f"checkpoint_format_{number}.npz", tmp_path / "checkpoint.npz")
     whole = (tmp_path / "checkpoint.npz").read_bytes()
-    words = rf"checkpoint.npz is of format {number}; this version of taichi-silo goes on from format {archive.FORMAT}"
+    words = rf"is of format {number}; this version of taichi-silo goes on from format {checked_npz.FORMAT}"
     with pytest.raises(BadInput, match=re.escape(words)):
         resume(tmp_path)
     assert [file.name for file in tmp_path.iterdir()] == ["checkpoint.npz"]

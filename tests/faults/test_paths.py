@@ -9,13 +9,13 @@ import pytest
 from PIL import Image
 
 from taichi_silo import api
-from taichi_silo.batch.variations import variation
-from taichi_silo.faults import BadInput
-from taichi_silo.folder import named, own
-from taichi_silo.one_run import resume, run
-from taichi_silo.sweep.plan import Sweep
-from taichi_silo.sweep.study import Study
-from taichi_silo.voice import Voice
+from taichi_silo.errors import BadInput
+from taichi_silo.runs.run_folder import named, own
+from taichi_silo.runs.session import resume, run
+from taichi_silo.studies.sweep.plan import Sweep
+from taichi_silo.studies.sweep.variations import variation
+from taichi_silo.studies.sweep.whole_sweep import Study
+from taichi_silo.utils.console import Voice
 from tests.faults.bad import SCENE, command, contents, refusal, refused
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="links need rights of their own on Windows")
@@ -173,7 +173,7 @@ def test_names_of_runs_stay_within_the_sweep(value):
 
 
 def _names(value):
-    from taichi_silo.batch.variations import product
+    from taichi_silo.studies.sweep.variations import product
 
     return product([variation(f"sand={value},x")])
 

@@ -9,8 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo import Flow, Machine, Mesh, Method, RunFailed, Scene, Silo, Walls, archive, run
-from taichi_silo.observers import Observer
+from taichi_silo import Flow, Machine, Mesh, Method, RunFailed, Scene, Silo, Walls, run
+from taichi_silo.runs.observers import Observer
+from taichi_silo.utils import checked_npz
 
 SCENE = Scene(
     grid=Mesh(cell_size_m=0.05), flow=Flow(speed_m_per_s=0.02, displacement_m=0.004), method=Method(filling_time_s=0.2)
@@ -90,7 +91,7 @@ def test_a_failure_at_the_very_start_of_the_flow_keeps_the_filling(tmp_path):
     message = fails(tmp_path / "run", extra=(Saboteur(0.0, stage="flow", stress=np.nan),))
     assert "(flow, u = 0.0" in message
     assert {file.name for file in (tmp_path / "run" / "figures").iterdir()} >= {"forces.png", "void_ratio.png"}
-    points = archive.read(tmp_path / "run" / "checkpoint.npz")[1]["simulation"]["points"]
+    points = checked_npz.read(tmp_path / "run" / "checkpoint.npz")[1]["simulation"]["points"]
     assert all(np.isfinite(values).all() for values in points.values())
 
 
@@ -140,7 +141,7 @@ def test_ctrl_c_stops_between_two_intervals_and_keeps_everything(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         run(SCENE, tmp_path / "run", film=False, extra=(Interrupter(),))
     forces = pd.read_csv(tmp_path / "run" / "forces.csv")
-    _, kept = archive.read(tmp_path / "run" / "checkpoint.npz")
+    _, kept = checked_npz.read(tmp_path / "run" / "checkpoint.npz")
     assert kept["simulation"]["clock"]["time"] == pytest.approx(forces.time_s.iloc[-1])
     assert "stopped at t = 0.1" in json.loads((tmp_path / "run" / "summary.json").read_text())["failure"]
 

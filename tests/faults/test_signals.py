@@ -6,10 +6,11 @@ import time
 
 import pytest
 
-from taichi_silo import archive, lock, one_run
-from taichi_silo.faults import Stopped
-from taichi_silo.observers import Observer
-from taichi_silo.one_run import resume, run
+from taichi_silo.errors import Stopped
+from taichi_silo.runs import session
+from taichi_silo.runs.observers import Observer
+from taichi_silo.runs.session import resume, run
+from taichi_silo.utils import checked_npz, file_lock
 from tests.faults.machine import command
 from tests.faults.tiny import SCENE, assert_same, assert_sound, files
 
@@ -42,24 +43,24 @@ def stopped(number, folder, **how):
     with pytest.raises(Stopped) as caught:
         run(SCENE, folder, film=False, **how)
     assert caught.value.code == 128 + number
-    assert not (folder / lock.NAME).exists()
+    assert not (folder / file_lock.NAME).exists()
     return str(caught.value)
 
 
 @BOTH
 def test_while_it_compiles_nothing_has_begun_and_nothing_is_lost(number, tmp_path, whole, monkeypatch, capsys, tried):
-    begin = one_run.Simulation
+    begin = session.Simulation
 
     def compiling(scene):
         send(number)
         raise AssertionError("it went on")
 
-    monkeypatch.setattr(one_run, "Simulation", compiling)
-    assert stopped(number, tmp_path / "run") == one_run.BEFORE
+    monkeypatch.setattr(session, "Simulation", compiling)
+    assert stopped(number, tmp_path / "run") == session.BEFORE
     assert not files(tmp_path / "run")
     again = tmp_path / "again"
     with monkeypatch.context() as patch:
-        patch.setattr(one_run, "Simulation", begin)
+        patch.setattr(session, "Simulation", begin)
         stopped(number, again, extra=(Sender(number),))
     before = {name: (again / name).read_bytes() for name in files(again)}
     code, err = command(monkeypatch, capsys, "resume", again, "--quiet")
@@ -89,7 +90,7 @@ def test_while_it_fills_or_flows(number, stage, times, tmp_path, whole, tried):
 
 @BOTH
 def test_while_a_checkpoint_is_written_it_is_written_whole(number, tmp_path, whole, monkeypatch, tried):
-    folder, write, count = tmp_path / "run", archive.write, 0
+    folder, write, count = tmp_path / "run", checked_npz.write, 0
 
     def interrupted(file, tree):
         nonlocal count
@@ -98,7 +99,7 @@ def test_while_a_checkpoint_is_written_it_is_written_whole(number, tmp_path, who
             send(number)
         write(file, tree)
 
-    monkeypatch.setattr(archive, "write", interrupted)
+    monkeypatch.setattr(checked_npz, "write", interrupted)
     assert "flow, u = " in stopped(number, folder), "after the filling"
     assert_sound(folder, whole)
     resume(folder)
@@ -115,7 +116,7 @@ def test_while_figures_are_drawn_the_rest_is_there(number, tmp_path, whole, monk
         raise AssertionError("it went on")
 
     with monkeypatch.context() as patch:
-        patch.setattr(one_run._Session, "_draw", drawing)
+        patch.setattr(session._Session, "_draw", drawing)
         assert stopped(number, folder).startswith("stopped while the figures were drawn; all else is there")
     assert "finished = false" in (folder / "run.toml").read_text()
     resume(folder)
@@ -127,7 +128,7 @@ def test_while_figures_are_drawn_the_rest_is_there(number, tmp_path, whole, monk
 def test_a_second_one_leaves_the_figures_out_and_nothing_else(number, tmp_path, whole, monkeypatch, tried):
     folder, drawn = tmp_path / "run", []
     with monkeypatch.context() as patch:
-        patch.setattr(one_run._Session, "_draw", lambda self: drawn.append(self))
+        patch.setattr(session._Session, "_draw", lambda self: drawn.append(self))
         stopped(number, folder, extra=(Sender(number),))
         stopped(number, folder, overwrite=True, extra=(Sender(number, at_end=1),))
         assert len(drawn) == 1
@@ -156,7 +157,7 @@ class Runner:
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="it takes processes that start at one instant")
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
 def test_of_eight_that_start_at_one_instant_exactly_one_runs(quick, tmp_path, monkeypatch, tried):
-    monkeypatch.setattr(one_run, "_Session", Runner)
+    monkeypatch.setattr(session, "_Session", Runner)
     rounds, processes = 25, 8
     for number in range(rounds):
         folder = tmp_path / f"run{number}"
@@ -174,7 +175,7 @@ def test_of_eight_that_start_at_one_instant_exactly_one_runs(quick, tmp_path, mo
                     os.read(gate, 1)
                     run(SCENE, folder, film=False)
                     said = b""
-                except one_run.BadInput as error:
+                except session.BadInput as error:
                     busy = ("in use by another run", "holds a run already")
                     said = b"B" if any(words in str(error) for words in busy) else b"W"
                 finally:
@@ -191,5 +192,5 @@ def test_of_eight_that_start_at_one_instant_exactly_one_runs(quick, tmp_path, mo
         for end in (heard, Runner.says, Runner.waits, gate):
             os.close(end)
         assert sorted(told.decode()) == [*"B" * (processes - 1), "R"], told
-        assert not (folder / lock.NAME).exists()
+        assert not (folder / file_lock.NAME).exists()
     tried("faults survived", "eight runs of one folder starting at one instant", rounds)

@@ -13,21 +13,21 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from taichi_silo.batch.attempt import attempt
-from taichi_silo.batch.runs import Run
-from taichi_silo.faults import BadInput, Stopped
-from taichi_silo.lock import alone
-from taichi_silo.observers import Observer
-from taichi_silo.scene import Scene
-from taichi_silo.sweep import clusters
-from taichi_silo.sweep.clusters import Local, Scheduler, client_of
-from taichi_silo.sweep.file import of_tables
-from taichi_silo.sweep.progress import Told
-from taichi_silo.sweep.study import TABLE, Study
-from taichi_silo.voice import Voice
+from taichi_silo.errors import BadInput, Stopped
+from taichi_silo.runs.observers import Observer
+from taichi_silo.scene.scene import Scene
+from taichi_silo.studies.sweep import clusters
+from taichi_silo.studies.sweep.attempt import attempt
+from taichi_silo.studies.sweep.clusters import Local, Scheduler, client_of
+from taichi_silo.studies.sweep.file import of_tables
+from taichi_silo.studies.sweep.progress import Told
+from taichi_silo.studies.sweep.runs import Run
+from taichi_silo.studies.sweep.whole_sweep import TABLE, Study
+from taichi_silo.utils.console import Voice
+from taichi_silo.utils.file_lock import alone
 
 pytest.importorskip("distributed")
-from taichi_silo.sweep.crew import Crew  # noqa: E402 - it needs dask.distributed
+from taichi_silo.studies.sweep.dask_runner import Crew  # noqa: E402 - it needs dask.distributed
 
 COARSE = {
     "grid": {"cell_size_m": 0.05}, "flow": {"displacement_m": 0.01, "speed_m_per_s": 0.02},

@@ -4,9 +4,11 @@ import csv
 import json
 from pathlib import Path
 
-from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, archive, snapshot
-from taichi_silo.observers import checkpoint
-from taichi_silo.scene import Output
+from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo
+from taichi_silo.runs import snapshot
+from taichi_silo.runs.observers import checkpoint
+from taichi_silo.scene.scene import Output
+from taichi_silo.utils import checked_npz
 
 ROOT = Path(__file__).parents[2]
 SCENE = Scene(
@@ -55,7 +57,7 @@ def assert_readable(folder: Path) -> None:
             for row in csv.DictReader(stream):
                 snapshot.read(folder / "snapshots" / row["file"])
     for file in folder.glob("checkpoint*.npz"):
-        archive.read(file)
+        checked_npz.read(file)
     if (folder / "summary.json").exists():
         json.loads((folder / "summary.json").read_text())
     for file in folder.rglob("*.png"):

@@ -4,14 +4,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo import runtime
-from taichi_silo.averaging import NonLocal
-from taichi_silo.biaxial.bounds import bounds
-from taichi_silo.biaxial.compression import Biaxial
-from taichi_silo.biaxial.run import angles, band_of, leave, summary_of
-from taichi_silo.biaxial.scene import BiaxialScene
-from taichi_silo.faults import RunFailed
-from taichi_silo.scene import Averaging, Sand
+from taichi_silo.errors import RunFailed
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.nonlocal_average import NonLocal
+from taichi_silo.scene.scene import Averaging, Sand
+from validation.biaxial.bounds import bounds
+from validation.biaxial.compression import Biaxial
+from validation.biaxial.run import angles, band_of, leave, summary_of
+from validation.biaxial.scene import BiaxialScene
 
 SCENE = BiaxialScene(points_across=16, shortening=0.04)
 

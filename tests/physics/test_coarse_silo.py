@@ -7,13 +7,13 @@ import pandas as pd
 import pytest
 import taichi as ti
 
-from taichi_silo import runtime
-from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
-from taichi_silo.observers.profiles import wall_stress
-from taichi_silo.phases import scatter
-from taichi_silo.scene import Flow, Mesh, Method, Sand, Scene, Silo, Walls
-from taichi_silo.simulation import LEFT, RIGHT, Simulation
-from taichi_silo.theory.janssen import Janssen
+from taichi_silo.analysis.theory.janssen import Janssen
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.g2p import scatter
+from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
+from taichi_silo.runs.observers.wall_profiles import wall_stress
+from taichi_silo.scene.scene import Flow, Mesh, Method, Sand, Scene, Silo, Walls
+from taichi_silo.simulation.simulation import LEFT, RIGHT, Simulation
 
 LANES = True  # see conftest.py
 

@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo import element
-from taichi_silo.element import COLUMNS, TESTS, ElementScene, curve_of
-from taichi_silo.laws import GudehusBauer
-from taichi_silo.scene import Sand
+from taichi_silo.mpm.laws import GudehusBauer
+from taichi_silo.scene.scene import Sand
+from taichi_silo.studies import element_tests
+from taichi_silo.studies.element_tests import COLUMNS, TESTS, ElementScene, curve_of
 
 CASES = [
     ("oedometer", 0.60, 1e3, 0.04),
@@ -76,8 +76,8 @@ def test_intergranular_strain_goes_through_the_method_too():
 
 def test_with_more_cells_dense_sand_localises_and_is_no_element_any_more(monkeypatch):
     """Why one cell: beyond the first bifurcation homogeneous strain is not the only solution."""
-    monkeypatch.setattr(element, "CELLS", 4)
-    monkeypatch.setattr(element, "PER_AXIS", 1)
+    monkeypatch.setattr(element_tests, "CELLS", 4)
+    monkeypatch.setattr(element_tests, "PER_AXIS", 1)
     case = ("plane-strain", 0.60, 50e3, 0.1)
     rows, exact = curve(*case, "mpm"), curve(*case, "point")
     before = rows[rows.strain < 0.01]

@@ -3,11 +3,12 @@
 import pytest
 
 from benchmarks import endurance
-from taichi_silo import one_run, runtime
-from taichi_silo.observers import Observer, profiles
-from taichi_silo.observers.checkpoint import Checkpoint
-from taichi_silo.one_run import run
-from taichi_silo.scene import Flow, Output
+from taichi_silo.mpm import runtime
+from taichi_silo.runs import session
+from taichi_silo.runs.observers import Observer, wall_profiles
+from taichi_silo.runs.observers.checkpoint import Checkpoint
+from taichi_silo.runs.session import run
+from taichi_silo.scene.scene import Flow, Output
 from tests.faults import tiny
 
 
@@ -15,7 +16,7 @@ from tests.faults import tiny
 def bare():
     """Figures take longer than these runs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(one_run._Session, "_draw", lambda self: None)
+        patch.setattr(session._Session, "_draw", lambda self: None)
         yield
 
 
@@ -49,7 +50,7 @@ class Sizes(Observer):
 def test_what_is_kept_of_a_run_does_not_grow_with_its_records(tmp_path, monkeypatch):
     sizes, begin = Sizes(), Checkpoint.begin
     monkeypatch.setattr(Checkpoint, "begin", lambda self, s: setattr(sizes, "checkpoint", self) or begin(self, s))
-    monkeypatch.setattr(profiles, "MOST_BLOCKS", 2)
+    monkeypatch.setattr(wall_profiles, "MOST_BLOCKS", 2)
     changed = {"output": Output(snapshots=1), "flow": Flow(speed_m_per_s=0.02, displacement_m=0.03)}
     run(tiny.SCENE.model_copy(update=changed), tmp_path / "run", film=False, extra=(sizes,))
     assert len(sizes.bytes) > 12, "whole blocks of profiles"

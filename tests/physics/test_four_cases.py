@@ -16,7 +16,7 @@ LANES = True  # see conftest.py
 
 pytestmark = pytest.mark.long
 
-SCRIPT = Path(__file__).parents[2] / "scenarios" / "four_cases.py"
+SCRIPT = Path(__file__).parents[2] / "validation" / "four_cases.py"
 NAMES = ("dense_smooth", "dense_very-rough", "loose_smooth", "loose_very-rough")
 
 
@@ -116,7 +116,8 @@ def test_loose_sand_between_very_rough_walls_contracts_along_them(cases):
 
 
 def test_without_friction_left_and_right_stay_equal_to_round_off():
-    from taichi_silo import Flow, Scene, Silo, Simulation, Walls, runtime
+    from taichi_silo import Flow, Scene, Silo, Simulation, Walls
+    from taichi_silo.mpm import runtime
 
     runtime.init()
     simulation = Simulation(

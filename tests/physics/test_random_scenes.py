@@ -5,13 +5,14 @@ import pytest
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from taichi_silo import runtime, sands
-from taichi_silo.alarms.records import LONGEST_STEP
-from taichi_silo.scene import Averaging, Flow, Machine, Mesh, Method, Scene, Silo, Walls
-from taichi_silo.shapes import SHAPES
-from taichi_silo.simulation import Simulation
-from taichi_silo.solver import STRESS_UPDATES
-from taichi_silo.transfers import TRANSFERS
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.shapes import SHAPES
+from taichi_silo.mpm.solver import STRESS_UPDATES
+from taichi_silo.mpm.velocity_transfer import TRANSFERS
+from taichi_silo.runs.alarms.of_records import LONGEST_STEP
+from taichi_silo.scene import sands
+from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Scene, Silo, Walls
+from taichi_silo.simulation.simulation import Simulation
 
 LANES = True  # see conftest.py
 

@@ -9,8 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, Walls, one_run
-from taichi_silo.one_run import run
+from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, Walls
+from taichi_silo.runs import session
+from taichi_silo.runs.session import run
 
 LANES = True  # see conftest.py; scenes that do without say so
 pytestmark = pytest.mark.usefixtures("all_cores")
@@ -30,7 +31,7 @@ one_run.run(Scene.model_validate_json(sys.argv[1]), Path(sys.argv[2]), film=Fals
 def bare():
     """Figures take longer than these runs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(one_run._Session, "_draw", lambda self: None)
+        patch.setattr(session._Session, "_draw", lambda self: None)
         yield
 
 

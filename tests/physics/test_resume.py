@@ -14,13 +14,14 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 
-from taichi_silo import one_run
-from taichi_silo.faults import Stopped
-from taichi_silo.observers import Observer, movie
-from taichi_silo.observers.checkpoint import Checkpoint
-from taichi_silo.one_run import resume, run
-from taichi_silo.scene import Averaging, Filling, Flow, Machine, Mesh, Method, Output, Scene, Silo, Walls
-from taichi_silo.vessel import Hopper, Outlet
+from taichi_silo.errors import Stopped
+from taichi_silo.runs import session
+from taichi_silo.runs.observers import Observer
+from taichi_silo.runs.observers.checkpoint import Checkpoint
+from taichi_silo.runs.session import resume, run
+from taichi_silo.scene.scene import Averaging, Filling, Flow, Machine, Mesh, Method, Output, Scene, Silo, Walls
+from taichi_silo.scene.silo import Hopper, Outlet
+from taichi_silo.show.film import movie
 
 LANES = True  # see conftest.py; scenes that do without say so
 SMOOTH, ROUGH = Walls(kind="smooth"), Walls(kind="very-rough")
@@ -94,7 +95,7 @@ CASES = [
 @pytest.fixture(autouse=True)
 def bare(monkeypatch):
     """Figures take longer than these runs."""
-    monkeypatch.setattr(one_run._Session, "_draw", lambda self: None)
+    monkeypatch.setattr(session._Session, "_draw", lambda self: None)
 
 
 def photographed(one, folder, moments, monkeypatch, film=False):
@@ -117,7 +118,7 @@ def photographed(one, folder, moments, monkeypatch, film=False):
                     shutil.copytree(self.folder, copy)
 
     with monkeypatch.context() as patch:
-        patch.setattr(one_run, "Checkpoint", Photographer)
+        patch.setattr(session, "Checkpoint", Photographer)
         run(one, folder, film=film)
     return copies.values()
 

@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo import archive
-from taichi_silo.scene_file import read_scene
+from taichi_silo.scene.scene_files import read_scene
+from taichi_silo.utils import checked_npz
 
 SCRIPT = Path(__file__).parents[2] / "scenarios" / "mass_flow.py"
 FORCES = (
@@ -73,7 +73,7 @@ def test_parameters_run_again(folder):
     assert scene.wall_friction_angle_deg == 19.0
     place = folder.parent / "again"
     words = ["run", str(folder / "run.toml"), "--output", str(place), "--no-film"]
-    command = [sys.executable, "-m", "taichi_silo.app", *words]
+    command = [sys.executable, "-m", "taichi_silo.cli.app", *words]
     subprocess.run(command, check=True, capture_output=True, timeout=300)
     assert (place / "forces.csv").read_text() == (folder / "forces.csv").read_text()
     text = (folder / "run.toml").read_text()
@@ -105,7 +105,7 @@ def test_the_film_plays_in_a_browser(folder):
 def test_figures_and_checkpoint_are_there(folder):
     names = {file.name for file in (folder / "figures").iterdir()}
     assert names == {"forces.png", "wall_friction_angle.png", "void_ratio.png", "wall_stress.png"}
-    _, kept = archive.read(folder / "checkpoint.npz")
+    _, kept = checked_npz.read(folder / "checkpoint.npz")
     simulation = kept["simulation"]
     assert {"position", "velocity", "stress", "mass", "volume", "path", "identity"} <= simulation["points"].keys()
     assert simulation["clock"]["finished"] and "memory" in simulation["nodes"]

@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo import runtime
-from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
-from taichi_silo.scene import Filling, Flow, Mesh, Method, Sand, Scene, Walls
-from taichi_silo.simulation import Simulation
-from taichi_silo.theory.beverloo import slot_rate_kg_per_s_m
-from taichi_silo.theory.janssen import Janssen
-from taichi_silo.vessel import Hopper, Insert, Outlet, Silo
+from taichi_silo.analysis.theory.beverloo import slot_rate_kg_per_s_m
+from taichi_silo.analysis.theory.janssen import Janssen
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
+from taichi_silo.scene.scene import Filling, Flow, Mesh, Method, Sand, Scene, Walls
+from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
+from taichi_silo.simulation.simulation import Simulation
 
 SMOOTH, ROUGH = Walls(kind="smooth"), Walls(kind="very-rough")
 SLOW = Flow(speed_m_per_s=0.02, displacement_m=0.006)

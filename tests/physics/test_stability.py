@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from taichi_silo import runtime
-from taichi_silo.filters import FILTERS
-from taichi_silo.laws import GudehusBauer
-from taichi_silo.laws.stress_point import StressPoint
-from taichi_silo.shapes import SHAPES, ConvectedDomain
-from taichi_silo.stability import MODES, crossing, integration, limits, order, precision, ratcheting, rotation, walls
-from taichi_silo.stability.cell import Cell
-from taichi_silo.stability.emptying import empty
-from taichi_silo.stability.stretching import NEEDED, stretch_at_fracture
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.filters import FILTERS
+from taichi_silo.mpm.laws import GudehusBauer
+from taichi_silo.mpm.laws.stress_point import StressPoint
+from taichi_silo.mpm.shapes import SHAPES, ConvectedDomain
+from validation.stability import MODES, crossing, integration, limits, order, precision, ratcheting, rotation, walls
+from validation.stability.cell import Cell
+from validation.stability.emptying import empty
+from validation.stability.stretching import NEEDED, stretch_at_fracture
 
 
 class TestCellCrossing:
@@ -182,5 +182,5 @@ def test_every_mode_of_the_map_can_be_found_by_its_name():
     from importlib import import_module
 
     for number, name in enumerate(MODES, start=1):
-        assert import_module(f"taichi_silo.stability.{name}").MODE.split()[0] == str(number)
+        assert import_module(f"validation.stability.{name}").MODE.split()[0] == str(number)
     runtime.init()

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from taichi_silo.element import TESTS, start_strain
-from taichi_silo.laws import GudehusBauer, Intergranular, integrate
-from taichi_silo.laws.stress_point import StressPoint
+from taichi_silo.mpm.laws import GudehusBauer, Intergranular, integrate
+from taichi_silo.mpm.laws.stress_point import StressPoint
+from taichi_silo.studies.element_tests import TESTS, start_strain
 
 SAND = GudehusBauer()
 TOLERANCE = 1e-4  # of the stress; void ratio likewise

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from taichi_silo import runtime
-from taichi_silo.averaging import Exponential, Gaussian, NonLocal, self_weight
-from taichi_silo.faults import RunFailed
-from taichi_silo.particles import Particles
-from taichi_silo.scene import Averaging, Mesh, Scene
-from taichi_silo.simulation import Simulation
+from taichi_silo.errors import RunFailed
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.nonlocal_average import Exponential, Gaussian, NonLocal, self_weight
+from taichi_silo.mpm.particles import Particles
+from taichi_silo.scene.scene import Averaging, Mesh, Scene
+from taichi_silo.simulation.simulation import Simulation
 
 LENGTH = 1.5e-3
 KERNELS = [Gaussian(LENGTH), Exponential(LENGTH)]
@@ -177,8 +177,8 @@ def kernel_of(scene):
 
 
 def filled(threads=1, shared=None, length=3e-3):
-    from taichi_silo.grid import Grid
-    from taichi_silo.scene import Silo, Walls
+    from taichi_silo.mpm.grid import Grid
+    from taichi_silo.scene.scene import Silo, Walls
 
     runtime.init(threads=threads)
     scene = Scene(

@@ -8,15 +8,15 @@ import pandas as pd
 import pytest
 
 from taichi_silo import Scene
-from taichi_silo.batch import runs as batch_runs
-from taichi_silo.batch.runs import Run, simulate
-from taichi_silo.batch.table import leave, row
-from taichi_silo.batch.variations import bases, differences, product, scenes, variation
-from taichi_silo.faults import BadInput
-from taichi_silo.folder import writable, write_parameters
-from taichi_silo.plots.batch import COLORS, batch_figure
-from taichi_silo.plots.run_files import RunFiles
-from taichi_silo.settings import changed
+from taichi_silo.errors import BadInput
+from taichi_silo.runs.run_folder import writable, write_parameters
+from taichi_silo.scene.dotted_paths import changed
+from taichi_silo.show.figures.batch import COLORS, batch_figure
+from taichi_silo.show.figures.run_files import RunFiles
+from taichi_silo.studies.sweep import runs as batch_runs
+from taichi_silo.studies.sweep.runs import Run, simulate
+from taichi_silo.studies.sweep.table import leave, row
+from taichi_silo.studies.sweep.variations import bases, differences, product, scenes, variation
 
 
 def made(*texts: str, files: tuple = ()) -> dict[str, Scene]:

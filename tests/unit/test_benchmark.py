@@ -8,9 +8,9 @@ from benchmarks import bench
 from benchmarks.figure import draw
 from benchmarks.parts import markdown, row, standard, trials
 from benchmarks.phases import Neighbours, Phases
-from taichi_silo.averaging import Gaussian, NonLocal
-from taichi_silo.scene import Mesh, Scene
-from taichi_silo.simulation import Simulation
+from taichi_silo.mpm.nonlocal_average import Gaussian, NonLocal
+from taichi_silo.scene.scene import Mesh, Scene
+from taichi_silo.simulation.simulation import Simulation
 
 LANES = True  # see conftest.py
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.special import beta
 
-from taichi_silo.theory.beverloo import (
+from taichi_silo.analysis.theory.beverloo import (
     FREE_FALL_ORIFICE,
     FREE_FALL_SLOT,
     ORIFICE,

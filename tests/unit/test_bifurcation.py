@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from taichi_silo.biaxial.bounds import homogeneous
-from taichi_silo.laws import Elastic, GudehusBauer
-from taichi_silo.laws.stress_point import StressPoint
-from taichi_silo.theory.bifurcation import band_sizes, first_bifurcation
+from taichi_silo.analysis.theory.bifurcation import band_sizes, first_bifurcation
+from taichi_silo.mpm.laws import Elastic, GudehusBauer
+from taichi_silo.mpm.laws.stress_point import StressPoint
+from validation.biaxial.bounds import homogeneous
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo.measure.certificate import certificate, noise
-from taichi_silo.scene import Flow, Scene
+from taichi_silo.analysis.measure.certificate import certificate, noise
+from taichi_silo.scene.scene import Flow, Scene
 
 PERIOD, INTERVAL = 0.02, 0.002
 SCENE = Scene(flow=Flow(speed_m_per_s=0.002, displacement_m=0.002))

@@ -12,18 +12,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taichi_silo.chart import dials, limit, plan, points, table, workers
-from taichi_silo.chart.curves import Curves
-from taichi_silo.chart.dials import FULL, SHORT, Dial, Program, listed, words
-from taichi_silo.chart.errors import ERRORS, errors, relative_difference, scatter
-from taichi_silo.chart.fidelities import choose, write
-from taichi_silo.chart.front import front
-from taichi_silo.faults import BadInput
-from taichi_silo.fidelity import fidelities, fidelity
-from taichi_silo.plots.chart import error_figure, speed_figure
-from taichi_silo.processes import Processes
-from taichi_silo.scene import Scene
-from taichi_silo.settings import changed, known, value
+from taichi_silo.errors import BadInput
+from taichi_silo.scene.dotted_paths import changed, known, value
+from taichi_silo.scene.fidelity import fidelities, fidelity
+from taichi_silo.scene.scene import Scene
+from taichi_silo.utils.process_pool import Processes
+from validation.accuracy import limit, plan, points, table, varied_settings, workers
+from validation.accuracy.curves import Curves
+from validation.accuracy.errors import ERRORS, errors, relative_difference, scatter
+from validation.accuracy.fidelities import choose, write
+from validation.accuracy.figures import error_figure, speed_figure
+from validation.accuracy.pareto_front import front
+from validation.accuracy.varied_settings import FULL, SHORT, Dial, Program, listed, words
 
 TINY = Program(
     base={"grid.cell_size_m": 0.05, "flow.speed_m_per_s": 0.02, "flow.displacement_m": 0.002},
@@ -278,7 +278,7 @@ def test_figures_are_drawn_for_every_dial_also_where_runs_failed(tmp_path):
 
 
 def scenario():
-    file = Path(__file__).parents[2] / "scenarios" / "chart.py"
+    file = Path(__file__).parents[2] / "validation" / "accuracy" / "__main__.py"
     spec = importlib.util.spec_from_file_location("chart_scenario", file)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -305,4 +305,4 @@ def test_a_coarse_chart_from_beginning_to_end_and_again_without_a_run(tmp_path, 
     script.chart(walls="very-rough", jobs=1, output=tmp_path)
     assert "5 runs are there, 0 to do" in capsys.readouterr().out
     assert {file: file.stat().st_mtime_ns for file in files} == files
-    assert dials.SHORT is SHORT
+    assert varied_settings.SHORT is SHORT

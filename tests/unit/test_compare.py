@@ -9,19 +9,19 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from taichi_silo import app
-from taichi_silo.compare.deviation import curve, deviations
-from taichi_silo.compare.differences import PROFILE, differences, janssen
-from taichi_silo.compare.measured import read
-from taichi_silo.compare.paper import against_paper, of_case
-from taichi_silo.compare.runs import read_runs
-from taichi_silo.compare.whole import compared
-from taichi_silo.faults import BadInput
-from taichi_silo.folder import parameters
-from taichi_silo.paper.cases import CASES
-from taichi_silo.paper.recognise import recognised
-from taichi_silo.paper.scenes import scene_of
-from taichi_silo.paper.statements import read as read_statements
+from taichi_silo.cli import app
+from taichi_silo.errors import BadInput
+from taichi_silo.runs.run_folder import parameters
+from taichi_silo.studies.compare.deviation import curve, deviations
+from taichi_silo.studies.compare.differences import PROFILE, differences, janssen
+from taichi_silo.studies.compare.measured import read
+from taichi_silo.studies.compare.runs import read_runs
+from taichi_silo.studies.compare.whole import compared
+from validation.paper.against_runs import against_paper, of_case
+from validation.paper.cases import CASES
+from validation.paper.recognise import recognised
+from validation.paper.scenes import scene_of
+from validation.paper.statements import read as read_statements
 
 PASCALS = 1000.0  # wall stress of a made-up run
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from taichi_silo import cost, runtime
-from taichi_silo.scene import Flow, Mesh, Method, Scene, Walls
-from taichi_silo.simulation import Simulation
-from taichi_silo.vessel import Hopper, Silo
+from taichi_silo.mpm import runtime
+from taichi_silo.runs import cost_estimate
+from taichi_silo.scene.scene import Flow, Mesh, Method, Scene, Walls
+from taichi_silo.scene.silo import Hopper, Silo
+from taichi_silo.simulation.simulation import Simulation
 
 
 def coarse(walls="very-rough", speed=0.04, displacement=0.004, cell=0.05, **method) -> Scene:
@@ -37,12 +38,12 @@ def done(simulation: Simulation) -> Simulation:
 def test_the_number_of_steps_is_known_to_a_tenth(walls, method):
     scene = coarse(walls, **method)
     simulation = done(started(scene))
-    assert abs(cost.steps(scene) / simulation.steps - 1.0) < 0.1
+    assert abs(cost_estimate.steps(scene) / simulation.steps - 1.0) < 0.1
 
 
 def test_a_given_step_halved_doubles_their_number():
     started(coarse())
-    one, two = (cost.steps(coarse(time_step_s=step)) for step in (1e-4, 0.5e-4))
+    one, two = (cost_estimate.steps(coarse(time_step_s=step)) for step in (1e-4, 0.5e-4))
     assert two == pytest.approx(2 * one, rel=0.04)  # whole steps in each interval
 
 
@@ -56,7 +57,7 @@ def test_a_rehearsal_leaves_the_run_as_it_would_have_been(silo):
     def history(rehearsed: bool):
         simulation = started(coarse(displacement=0.001).model_copy(update={"silo": silo}))
         if rehearsed:
-            assert cost.rehearse(simulation, seconds=0.05) > 0.0
+            assert cost_estimate.rehearse(simulation, seconds=0.05) > 0.0
             assert (simulation.time, simulation.steps, simulation.stage) == (0.0, 0, "filling")
         forces = [(r.time_s, r.bottom_N_per_m, r.normal_N_per_m, r.shear_N_per_m) for r in simulation.run()]
         return np.array(forces), simulation.points()
@@ -70,6 +71,6 @@ def test_a_rehearsal_leaves_the_run_as_it_would_have_been(silo):
 @pytest.mark.parametrize(("walls", "cell", "speed"), [("very-rough", 0.01, 0.005), ("very-rough", 0.005, 0.02)])
 def test_the_cost_is_known_to_a_quarter(walls, cell, speed):
     simulation = started(coarse(walls, speed=speed, displacement=0.005, cell=cell))
-    expected = cost.predict(simulation)
+    expected = cost_estimate.predict(simulation)
     spent = done(simulation).stepping_seconds
     assert abs(expected.core_seconds / spent - 1.0) < 0.25

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from taichi_silo.measure.deformation import net_shear
+from taichi_silo.analysis.measure.deformation import net_shear
 
 X, Y = np.meshgrid(np.arange(20) * 0.005, np.arange(30) * 0.005)
 BEFORE = np.stack([X.ravel(), Y.ravel()], axis=1)

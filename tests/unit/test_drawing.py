@@ -5,9 +5,9 @@ import math
 import ezdxf
 import pytest
 
-from taichi_silo.drawing import read_silo
-from taichi_silo.faults import BadInput
-from taichi_silo.vessel import Silo
+from taichi_silo.errors import BadInput
+from taichi_silo.scene.dxf import read_silo
+from taichi_silo.scene.silo import Silo
 
 BUNKER = [(60, 0), (120, 0), (160, 140), (200, 140), (200, 400), (0, 400), (0, 200)]
 

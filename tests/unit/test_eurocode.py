@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from taichi_silo.theory.eurocode import SAND, EurocodeSilo
-from taichi_silo.theory.janssen import Janssen
+from taichi_silo.analysis.theory.eurocode import SAND, EurocodeSilo
+from taichi_silo.analysis.theory.janssen import Janssen
 
 TALL = EurocodeSilo(4.0, 10.0)  # slender: h_c/d_c = 2.5
 LOW = EurocodeSilo(8.0, 6.0)  # squat: 0.75

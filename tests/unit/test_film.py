@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from taichi_silo.fields import Scale
-from taichi_silo.observers.canvas import BACKGROUND, Canvas
-from taichi_silo.observers.film import Film
-from taichi_silo.observers.picture import Picture
-from taichi_silo.observers.raster import COLOURS, SandRaster
+from taichi_silo.analysis.point_fields import Scale
+from taichi_silo.show.film.canvas import BACKGROUND, Canvas
+from taichi_silo.show.film.film import Film
+from taichi_silo.show.film.picture import Picture
+from taichi_silo.show.film.point_raster import COLOURS, SandRaster
 
 WIDTH, HEIGHT, DISPLACEMENT, SPACING, WEIGHT = 0.2, 0.5, 0.02, 0.005, 1625.0
 VOID_RATIOS = Scale("void ratio e", "viridis", 0.55, 0.85, words=("dense", "loose"))

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from taichi_silo.filters import NullSpace, Smoothing
-from taichi_silo.laws import Elastic
-from taichi_silo.shapes import Linear, UniformGimp
-from taichi_silo.stability.bodies import block, change, solver
-from taichi_silo.stability.null_space import checkerboard_left, null_part, wave_left
+from taichi_silo.mpm.filters import NullSpace, Smoothing
+from taichi_silo.mpm.laws import Elastic
+from taichi_silo.mpm.shapes import Linear, UniformGimp
+from validation.stability.bodies import block, change, solver
+from validation.stability.null_space import checkerboard_left, null_part, wave_left
 
 CELL = 0.1
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taichi_silo.theory.flow_channel import SIZE_RATIOS, FlowChannel
+from taichi_silo.analysis.theory.flow_channel import SIZE_RATIOS, FlowChannel
 
 # silo of wheat of 10 m, published: theta_c = 22.3 deg for r_c = 0.6 r (Studia Geotechnica et Mechanica 40, 2018,
 # doi 10.2478/sgem-2018-0043), with mu = 0.491 (lower), phi_i = 33.6 deg (upper), K = 0.599, gamma = 9 kN/m3

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from taichi_silo.measure.flow_pattern import flow_pattern, mean_velocity
+from taichi_silo.analysis.measure.flow_pattern import flow_pattern, mean_velocity
 
 WIDTH, HEIGHT, SPEED = 0.2, 0.5, 2e-3
 

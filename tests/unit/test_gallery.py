@@ -8,10 +8,10 @@ from urllib.parse import unquote
 import pytest
 from PIL import Image
 
-from taichi_silo import app
-from taichi_silo.faults import BadInput
-from taichi_silo.history import History
-from taichi_silo.render import moments, renderer
+from taichi_silo.cli import app
+from taichi_silo.errors import BadInput
+from taichi_silo.runs.history import History
+from taichi_silo.show.film import moments, renderer
 from tests import made_up
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from taichi_silo import runtime
-from taichi_silo.scene import Averaging, Flow, Machine, Mesh, Scene, Silo, Walls
-from taichi_silo.simulation import Simulation
+from taichi_silo.mpm import runtime
+from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Scene, Silo, Walls
+from taichi_silo.simulation.simulation import Simulation
 
 pytestmark = pytest.mark.skipif(not ti._lib.core.with_cuda(), reason="no CUDA device here")
 

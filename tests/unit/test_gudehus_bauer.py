@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from taichi_silo.laws import GudehusBauer
-from taichi_silo.laws.gudehus_bauer import rest_pressure_ratio
-from taichi_silo.laws.stress_point import StressPoint, wave_speed
+from taichi_silo.mpm.laws import GudehusBauer
+from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
+from taichi_silo.mpm.laws.stress_point import StressPoint, wave_speed
 
 SAND = GudehusBauer()
 

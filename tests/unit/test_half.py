@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from taichi_silo import runtime, simulation
-from taichi_silo.grid import MARGIN
-from taichi_silo.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
-from taichi_silo.simulation import BOTTOM, LEFT, RIGHT, Simulation
-from taichi_silo.solver import Solver
-from taichi_silo.symmetry import half_model, whole_points, whole_profile
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.grid import MARGIN
+from taichi_silo.mpm.solver import Solver
+from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
+from taichi_silo.scene.symmetry import half_model, whole_points, whole_profile
+from taichi_silo.simulation import simulation
+from taichi_silo.simulation.simulation import BOTTOM, LEFT, RIGHT, Simulation
 
 CELL, ACROSS, HIGH = 0.02, 6, 8
 VARIANTS = [

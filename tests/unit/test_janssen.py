@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from taichi_silo.theory.janssen import Janssen, pressure_ratio_from_normal_force
+from taichi_silo.analysis.theory.janssen import Janssen, pressure_ratio_from_normal_force
 
 WIDTH, HEIGHT = 0.2, 0.5
 

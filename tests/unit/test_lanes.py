@@ -9,11 +9,11 @@ import sys
 import numpy as np
 import pytest
 
-from taichi_silo import runtime
-from taichi_silo.scene import Averaging, Flow, Mesh, Method, Sand, Scene, Silo, Walls
-from taichi_silo.simulation import Simulation
-from taichi_silo.solver import Solver
-from taichi_silo.vessel import Hopper, Outlet
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.solver import Solver
+from taichi_silo.scene.scene import Averaging, Flow, Mesh, Method, Sand, Scene, Silo, Walls
+from taichi_silo.scene.silo import Hopper, Outlet
+from taichi_silo.simulation.simulation import Simulation
 
 LANES = True  # see conftest.py
 SCRIPT = """

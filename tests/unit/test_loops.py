@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from taichi_silo import runtime
-from taichi_silo.scene import Flow, Mesh, Method, Scene, Silo, Walls
-from taichi_silo.simulation import Simulation
-from taichi_silo.vessel import Hopper
+from taichi_silo.mpm import runtime
+from taichi_silo.scene.scene import Flow, Mesh, Method, Scene, Silo, Walls
+from taichi_silo.scene.silo import Hopper
+from taichi_silo.simulation.simulation import Simulation
 
 pytestmark = pytest.mark.usefixtures("all_cores")
 SCENE = Scene(

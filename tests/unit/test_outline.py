@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from taichi_silo import outline
-from taichi_silo.placing import Section, surfaces_of
-from taichi_silo.scene import Mesh, Scene
-from taichi_silo.table import one_sentence
-from taichi_silo.vessel import Hopper, Insert, Outlet, Silo
+from taichi_silo.scene import polygons
+from taichi_silo.scene.scene import Mesh, Scene
+from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
+from taichi_silo.simulation.discretise import Section, surfaces_of
+from taichi_silo.utils.schema import one_sentence
 
 BUNKER = ((0.06, 0.0), (0.12, 0.0), (0.16, 0.14), (0.2, 0.14), (0.2, 0.4), (0.0, 0.4), (0.0, 0.2))
 
@@ -96,8 +96,8 @@ def test_an_outlet_stands_anywhere_in_the_floor():
 
 
 def test_a_side_with_a_level_part_is_passed_at_once():
-    _, right = outline.sides(BUNKER)
-    assert outline.place(right, [0.0, 0.07, 0.1399999, 0.1400001, 0.3]) == pytest.approx(
+    _, right = polygons.sides(BUNKER)
+    assert polygons.place(right, [0.0, 0.07, 0.1399999, 0.1400001, 0.3]) == pytest.approx(
         [0.12, 0.14, 0.16, 0.2, 0.2], abs=1e-6
     )
 

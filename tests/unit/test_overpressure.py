@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from taichi_silo.measure.overpressure import largest_overpressure
+from taichi_silo.analysis.measure.overpressure import largest_overpressure
 
 TIME = np.linspace(0.0, 10.0, 21)
 

@@ -41,7 +41,7 @@ def test_it_holds_nothing_else(wheel):
 
 def test_it_brings_the_command_and_light_dependencies(wheel):
     (entry,) = [name for name in wheel.namelist() if name.endswith("entry_points.txt")]
-    assert "taichi-silo = taichi_silo.app:main" in wheel.read(entry).decode()
+    assert "taichi-silo = taichi_silo.cli.app:main" in wheel.read(entry).decode()
     (about,) = [name for name in wheel.namelist() if name.endswith("METADATA")]
     needed = [line for line in wheel.read(about).decode().splitlines() if line.startswith("Requires-Dist")]
     core = [line for line in needed if "extra ==" not in line]

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo.faults import BadInput
-from taichi_silo.paper import check, measures, statements
-from taichi_silo.paper.cases import CASES, OUTLETS
-from taichi_silo.paper.measures import MEASURES, Damaged, Missing, RunFiles
+from taichi_silo.errors import BadInput
+from validation.paper import check, measures, statements
+from validation.paper.cases import CASES, OUTLETS
+from validation.paper.measures import MEASURES, Damaged, Missing, RunFiles
 
 WIDTH, HEIGHT, SPACING, WEIGHT = 0.2, 0.5, 0.005, 1600.0
 HEADER = """
@@ -242,7 +242,7 @@ def test_outlets_loosen_and_leave_dead_sand(tmp_path):
 
 def test_numbers_of_both_readings_agree_disagree_or_partly(tmp_path):
     write_run(tmp_path, "dense_smooth_bottom")  # largest: 1.94 kPa at a node, 1.9 in a cell
-    tests = "tests = [{{measure = \"largest_stress_kPa\", low = {0}, high = {0}, says = \"kPa\"}}]\n"
+    tests = 'tests = [{{measure = "largest_stress_kPa", low = {0}, high = {0}, says = "kPa"}}]\n'
     read = tests + 'tolerance = "read"'
     text = "".join(statement(name, more=read.format(value)) for name, value in (("a", 1.9), ("b", 4.0), ("c", 1.535)))
     table = verdicts(tmp_path, text)

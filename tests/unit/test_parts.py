@@ -9,11 +9,11 @@ from typing import ClassVar
 import pytest
 import taichi as ti
 
-from taichi_silo.parts import parts
-from taichi_silo.runtime import real
-from taichi_silo.scene import Averaging, Flow, Mesh, Method, Output, Sand, Scene, Silo, Walls
-from taichi_silo.simulation import Simulation
-from taichi_silo.walls import Coulomb
+from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.walls import Coulomb
+from taichi_silo.runs.method_choices import parts
+from taichi_silo.scene.scene import Averaging, Flow, Mesh, Method, Output, Sand, Scene, Silo, Walls
+from taichi_silo.simulation.simulation import Simulation
 
 SCRIPT = Path(__file__).parents[2] / "scenarios" / "mass_flow.py"
 

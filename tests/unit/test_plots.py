@@ -9,10 +9,10 @@ import pytest
 import tomli_w
 from PIL import Image
 
-from taichi_silo.plots import plot_cases, plot_run
-from taichi_silo.plots.run_files import RunFiles, critical_simple_shear_angle_deg
-from taichi_silo.plots.void_ratio import chosen_snapshots
-from taichi_silo.theory.janssen import Janssen
+from taichi_silo.analysis.theory.janssen import Janssen
+from taichi_silo.show.figures import plot_cases, plot_run
+from taichi_silo.show.figures.run_files import RunFiles, critical_simple_shear_angle_deg
+from taichi_silo.show.figures.void_ratio import chosen_snapshots
 
 WIDTH, HEIGHT = 0.2, 0.5
 NAMES = ["forces.png", "wall_friction_angle.png", "void_ratio.png", "wall_stress.png"]

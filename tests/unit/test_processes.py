@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from taichi_silo.processes import Processes, Task
+from taichi_silo.utils.process_pool import Processes, Task
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = """

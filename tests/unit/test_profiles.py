@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from taichi_silo.observers.profiles import WallProfiles
+from taichi_silo.runs.observers.wall_profiles import WallProfiles
 
 
 @pytest.fixture
@@ -20,8 +20,12 @@ def after(tmp_path):
             stage = "filling" if number < filling else "flow"
             profiles.observe(
                 SimpleNamespace(
-                    stage=stage, interval_s=1.0, profile=np.full((3, 5, 2), float(number)), time_s=float(number),
-                    normal_N_per_m=1000.0 - number, displacement_m=0.0,
+                    stage=stage,
+                    interval_s=1.0,
+                    profile=np.full((3, 5, 2), float(number)),
+                    time_s=float(number),
+                    normal_N_per_m=1000.0 - number,
+                    displacement_m=0.0,
                 )  # fmt: skip
             )
         profiles.end()

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from taichi_silo import app, catalogue
-from taichi_silo.scene import Scene
-from taichi_silo.scene_file import read_scene
+from taichi_silo.cli import app, catalogue
+from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.scene_files import read_scene
 
 TINY = (
     "[silo]\nwidth_m = 0.1\nheight_m = 0.2\n[grid]\ncell_size_m = 0.05\n[flow]\nspeed_m_per_s = 0.02\n"
@@ -19,7 +19,7 @@ TINY = (
 
 
 def program(*words, cwd=None):
-    command = [sys.executable, "-m", "taichi_silo.app", *map(str, words)]
+    command = [sys.executable, "-m", "taichi_silo.cli.app", *map(str, words)]
     return subprocess.run(command, capture_output=True, text=True, timeout=200, cwd=cwd)
 
 

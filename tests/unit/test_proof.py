@@ -5,8 +5,9 @@ import sys
 
 import pytest
 
-from taichi_silo import proof, simulation, solver, trial
-from taichi_silo.scene import Machine, Mesh, Scene
+from taichi_silo.mpm import simd_selftest, simd_trial, solver
+from taichi_silo.scene.scene import Machine, Mesh, Scene
+from taichi_silo.simulation import simulation
 
 LANES = True  # see conftest.py
 
@@ -17,9 +18,9 @@ COARSE = Scene(grid=Mesh(cell_size_m=0.1), machine=Machine(threads=1))
 def forgetful(monkeypatch, tmp_path):
     """No verdict in memory or on disk."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    proof.failure.cache_clear()
+    simd_selftest.failure.cache_clear()
     yield
-    proof.failure.cache_clear()
+    simd_selftest.failure.cache_clear()
 
 
 def interpreter(tmp_path, script):
@@ -36,26 +37,26 @@ def interpreter(tmp_path, script):
 )
 def test_a_trial_that_aborts_or_differs_is_a_reason_not_an_end(forgetful, monkeypatch, tmp_path, script, why):
     monkeypatch.setattr(sys, "executable", interpreter(tmp_path, script))
-    assert why in proof.failure()
-    assert why in json.loads(proof.place().read_text())["failure"]
+    assert why in simd_selftest.failure()
+    assert why in json.loads(simd_selftest.place().read_text())["failure"]
 
 
 def test_a_verdict_is_kept_until_circumstances_change(forgetful, monkeypatch, tmp_path):
     monkeypatch.setattr(sys, "executable", interpreter(tmp_path, "echo once; exit 1"))
-    assert proof.failure() == "once"
+    assert simd_selftest.failure() == "once"
     monkeypatch.setattr(sys, "executable", interpreter(tmp_path, "exit 0"))
-    proof.failure.cache_clear()
-    assert proof.failure() == "once"
-    monkeypatch.setattr(proof, "circumstances", lambda: "another processor")
-    proof.failure.cache_clear()
-    assert proof.failure() == ""
+    simd_selftest.failure.cache_clear()
+    assert simd_selftest.failure() == "once"
+    monkeypatch.setattr(simd_selftest, "circumstances", lambda: "another processor")
+    simd_selftest.failure.cache_clear()
+    assert simd_selftest.failure() == ""
 
 
 def test_a_broken_file_of_verdicts_is_no_verdict(forgetful, monkeypatch, tmp_path):
-    proof.place().parent.mkdir(parents=True)
-    proof.place().write_text("{")
+    simd_selftest.place().parent.mkdir(parents=True)
+    simd_selftest.place().write_text("{")
     monkeypatch.setattr(sys, "executable", interpreter(tmp_path, "exit 0"))
-    assert proof.failure() == ""
+    assert simd_selftest.failure() == ""
 
 
 def test_without_trust_the_plain_loop_runs_and_the_run_says_why(monkeypatch):
@@ -73,4 +74,4 @@ def test_lanes_can_be_left_out_by_the_scene():
 
 
 def test_the_trial_passes_here():
-    assert trial.compare() == ""
+    assert simd_trial.compare() == ""

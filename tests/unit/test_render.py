@@ -10,20 +10,20 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from taichi_silo import app, snapshot
-from taichi_silo.commands import render
-from taichi_silo.faults import BadInput, RunFailed
-from taichi_silo.fields import FIELDS
-from taichi_silo.history import History
-from taichi_silo.observers import movie
-from taichi_silo.observers.canvas import BACKGROUND, MISSING
-from taichi_silo.observers.encoder import Encoder, FilmError
-from taichi_silo.observers.raster import table
-from taichi_silo.one_run import run
-from taichi_silo.render import moments, renderer
-from taichi_silo.render.between import Between
-from taichi_silo.scene import Flow, Machine, Mesh, Method, Scene
-from taichi_silo.vessel import Outlet, Silo
+from taichi_silo.analysis.point_fields import FIELDS
+from taichi_silo.cli import app
+from taichi_silo.cli.commands import render
+from taichi_silo.errors import BadInput, RunFailed
+from taichi_silo.runs import snapshot
+from taichi_silo.runs.history import History
+from taichi_silo.runs.session import run
+from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene
+from taichi_silo.scene.silo import Outlet, Silo
+from taichi_silo.show.film import moments, movie, renderer
+from taichi_silo.show.film.between import Between
+from taichi_silo.show.film.canvas import BACKGROUND, MISSING
+from taichi_silo.show.film.encoder import Encoder, FilmError
+from taichi_silo.show.film.point_raster import table
 from tests import made_up
 
 SMALL = (640, 360)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from taichi_silo.measure.residence import residence
+from taichi_silo.analysis.measure.residence import residence
 
 WIDTH, HEIGHT, SPEED = 0.2, 0.5, 2e-3
 

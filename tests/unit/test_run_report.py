@@ -10,20 +10,25 @@ import pandas as pd
 import pytest
 import tomli_w
 
-from taichi_silo.faults import BadInput
-from taichi_silo.folder import parameters
-from taichi_silo.plots.run_files import RunFiles
-from taichi_silo.report.drawing import drawing
-from taichi_silo.report.key import key_numbers
-from taichi_silo.report.limits import known_limits
-from taichi_silo.report.page import page, write_report
-from taichi_silo.report.parameters import meaning, parameter_tables, unit
-from taichi_silo.report.states import discharge_rate_kg_per_s_m, forces_of, largest_hopper_stress, largest_wall_stress
-from taichi_silo.report.tables import stress_table
-from taichi_silo.report.trust import verdict
-from taichi_silo.report.words import kN, mm, number, per_cent, plain
-from taichi_silo.scene import Flow, Mesh, Scene
-from taichi_silo.vessel import Hopper, Insert, Outlet, Silo
+from taichi_silo.errors import BadInput
+from taichi_silo.runs.run_folder import parameters
+from taichi_silo.scene.scene import Flow, Mesh, Scene
+from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
+from taichi_silo.show.figures.run_files import RunFiles
+from taichi_silo.show.report.drawing import drawing
+from taichi_silo.show.report.key import key_numbers
+from taichi_silo.show.report.limits import known_limits
+from taichi_silo.show.report.page import page, write_report
+from taichi_silo.show.report.parameters import meaning, parameter_tables, unit
+from taichi_silo.show.report.states import (
+    discharge_rate_kg_per_s_m,
+    forces_of,
+    largest_hopper_stress,
+    largest_wall_stress,
+)
+from taichi_silo.show.report.tables import stress_table
+from taichi_silo.show.report.trust import verdict
+from taichi_silo.show.report.words import kN, mm, number, per_cent, plain
 
 HOPPER = Silo(hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.1))
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from taichi_silo import sands
-from taichi_silo.element import TESTS, start_strain, through_point
-from taichi_silo.faults import BadInput
-from taichi_silo.laws.stress_point import StressPoint
+from taichi_silo.errors import BadInput
+from taichi_silo.mpm.laws.stress_point import StressPoint
+from taichi_silo.scene import sands
+from taichi_silo.studies.element_tests import TESTS, start_strain, through_point
 
 NAMES = list(sands.published())
 OWN = """critical_friction_angle_deg = 31.0

@@ -7,12 +7,12 @@ import tomli_w
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from taichi_silo import reference, sands
-from taichi_silo.faults import BadInput
-from taichi_silo.folder import write_parameters
-from taichi_silo.scene import Flow, Mesh, Scene, Walls
-from taichi_silo.scene_file import read_scene
-from taichi_silo.vessel import Insert, Outlet, Silo
+from taichi_silo.errors import BadInput
+from taichi_silo.runs.run_folder import write_parameters
+from taichi_silo.scene import reference, sands
+from taichi_silo.scene.scene import Flow, Mesh, Scene, Walls
+from taichi_silo.scene.scene_files import read_scene
+from taichi_silo.scene.silo import Insert, Outlet, Silo
 
 ROOF_ABOVE = Insert(kind="roof", width_m=0.06, bottom_m=0.1)
 

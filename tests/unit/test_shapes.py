@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from taichi_silo.shapes import SHAPES, ContiguousGimp, ConvectedDomain, Linear, QuadraticSpline, UniformGimp
+from taichi_silo.mpm.shapes import SHAPES, ContiguousGimp, ConvectedDomain, Linear, QuadraticSpline, UniformGimp
 
 SIDE = 12  # nodes along an axis
 SIZES = (0.5, 0.25, 1.0 / 6.0)
@@ -16,9 +16,7 @@ PLACES = np.random.default_rng(1).uniform(3.0, 7.0, (300, 2))
 
 
 @ti.kernel
-def _evaluate(
-    shape: ti.template(), places: ti.types.ndarray(), domains: ti.types.ndarray(), out: ti.types.ndarray()
-):
+def _evaluate(shape: ti.template(), places: ti.types.ndarray(), domains: ti.types.ndarray(), out: ti.types.ndarray()):
     for p in range(places.shape[0]):
         domain = (domains[p, 0], domains[p, 1], domains[p, 2], domains[p, 3])
         for patch in ti.static(range(shape.PATCHES)):

@@ -10,15 +10,15 @@ import pytest
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
-from taichi_silo import snapshot
-from taichi_silo.faults import BadInput
-from taichi_silo.observers.snapshots import Snapshots
-from taichi_silo.paper.files import RunFiles as PaperFiles
-from taichi_silo.plots.run_files import RunFiles
-from taichi_silo.plots.void_ratio import chosen_snapshots
-from taichi_silo.scene import Flow, Mesh, Output, Scene
-from taichi_silo.vessel import Outlet, Silo
+from taichi_silo.errors import BadInput
+from taichi_silo.runs import snapshot
+from taichi_silo.runs.observers.snapshots import Snapshots
+from taichi_silo.scene.scene import Flow, Mesh, Output, Scene
+from taichi_silo.scene.silo import Outlet, Silo
+from taichi_silo.show.figures.run_files import RunFiles
+from taichi_silo.show.figures.void_ratio import chosen_snapshots
 from tests import made_up
+from validation.paper.files import RunFiles as PaperFiles
 
 NAMED = ["start.vtu", "filled.vtu", "flow_002.000mm.vtu", "flow_005.000mm.vtu", "flow_010.000mm.vtu"]
 

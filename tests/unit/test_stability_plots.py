@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from taichi_silo.plots.stability import matrix, number, order_figure, page, ratcheting_figure
-from taichi_silo.stability.cell import cells_of
+from validation.stability.cell import cells_of
+from validation.stability.figures import matrix, number, order_figure, page, ratcheting_figure
 
 
 def rows():

@@ -10,23 +10,23 @@ import pandas as pd
 import pytest
 
 from taichi_silo import Scene
-from taichi_silo.batch.attempt import LOCK, attempt
-from taichi_silo.batch.runs import Run
-from taichi_silo.batch.table import found, row
-from taichi_silo.commands.sweep import sweep as command
-from taichi_silo.faults import BadInput
-from taichi_silo.folder import write_parameters
-from taichi_silo.lock import alone
-from taichi_silo.plots import plot_response
-from taichi_silo.plots.response import label, response_figure
-from taichi_silo.settings import changed, default, known, value, whole
-from taichi_silo.sweep.clusters import NEEDED, Local, Slurm
-from taichi_silo.sweep.file import of_flags, of_tables, read, wanted
-from taichi_silo.sweep.hypercube import Choices, LatinHypercube, Span
-from taichi_silo.sweep.response import PRESSURE, Response
-from taichi_silo.sweep.study import TABLE, Study
-from taichi_silo.tally import Tally
-from taichi_silo.voice import Voice
+from taichi_silo.cli.commands.sweep import sweep as command
+from taichi_silo.errors import BadInput
+from taichi_silo.runs.run_folder import write_parameters
+from taichi_silo.scene.dotted_paths import changed, default, known, value, whole
+from taichi_silo.show.figures import plot_response
+from taichi_silo.show.figures.response import label, response_figure
+from taichi_silo.studies.sweep.attempt import LOCK, attempt
+from taichi_silo.studies.sweep.clusters import NEEDED, Local, Slurm
+from taichi_silo.studies.sweep.file import of_flags, of_tables, read, wanted
+from taichi_silo.studies.sweep.hypercube import Choices, LatinHypercube, Span
+from taichi_silo.studies.sweep.response import PRESSURE, Response
+from taichi_silo.studies.sweep.runs import Run
+from taichi_silo.studies.sweep.table import found, row
+from taichi_silo.studies.sweep.whole_sweep import TABLE, Study
+from taichi_silo.utils.console import Voice
+from taichi_silo.utils.file_lock import alone
+from taichi_silo.utils.time_left import Tally
 
 NOTHING = {"fidelity": None, "film": None, "jobs": None, "scheduler": None, "slurm": False}
 
@@ -263,7 +263,7 @@ def test_a_run_that_another_attempt_has_finished_by_now_is_left_alone(tmp_path):
 def test_two_processes_do_not_attempt_a_run_at_once(tmp_path, monkeypatch):
     run = Run(Scene(machine={"threads": 1}), tmp_path / "run")
     left(run, 1e3)
-    monkeypatch.setattr("taichi_silo.batch.attempt.WAIT_S", 0.3)
+    monkeypatch.setattr("taichi_silo.studies.sweep.attempt.WAIT_S", 0.3)
     with alone(run.folder / LOCK, 0.0, ""), pytest.raises(BadInput, match="is being written by another process"):
         attempt(run)
     assert not (run.folder / LOCK).exists()
@@ -335,7 +335,7 @@ def test_a_job_of_slurm_asks_for_what_the_file_says(tmp_path):
         assert f"#SBATCH {line}" in script, script
     assert "module load python\n" in script
     assert f"{sys.executable} -m distributed.cli.dask_worker" in script
-    for word in ("--nthreads 8 ", "--nanny", "--preload taichi_silo.sweep.deaf", "--no-dashboard"):
+    for word in ("--nthreads 8 ", "--nanny", "--preload taichi_silo.studies.sweep.ignore_interrupts", "--no-dashboard"):
         assert word in script, script
     assert cluster.with_jobs(20).jobs == 3 and cluster.with_jobs(20).at_once == 24
     with Slurm().prepared(tmp_path) as slurm:
@@ -397,7 +397,7 @@ def test_every_column_has_a_label_with_its_unit():
 
 def test_time_left_follows_the_pace_and_the_longest_task(monkeypatch):
     now = [100.0]
-    monkeypatch.setattr("taichi_silo.tally.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("taichi_silo.utils.time_left.time.monotonic", lambda: now[0])
     tally = Tally({"long": 60.0, "short": 20.0, "other": 20.0}, jobs=2)
     assert tally.left_s == 60.0, "before anything is known, no less than the longest"
     now[0] += 20.0

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from taichi_silo.laws import Elastic
-from taichi_silo.shapes import SHAPES, Linear, UniformGimp
-from taichi_silo.stability.bodies import block, change, solver
-from taichi_silo.stability.time_step import Block
-from taichi_silo.timestep import Criteria
-from taichi_silo.variant import Variant
+from taichi_silo.mpm.laws import Elastic
+from taichi_silo.mpm.shapes import SHAPES, Linear, UniformGimp
+from taichi_silo.scene.method_options import Variant
+from validation.stability.bodies import block, change, solver
+from validation.stability.step_criteria import Criteria
+from validation.stability.time_step import Block
 
 CELL, DENSITY = 0.1, 1500.0
 LAW = Elastic(1e6, 0.0)

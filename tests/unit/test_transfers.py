@@ -5,14 +5,14 @@ import itertools
 import numpy as np
 import pytest
 
-from taichi_silo.laws import Elastic
-from taichi_silo.loops import NODES, POINTS
-from taichi_silo.particles import Particles
-from taichi_silo.shapes import SHAPES
-from taichi_silo.solver import STRESS_UPDATES
-from taichi_silo.stability.bodies import block, change, solver
-from taichi_silo.stability.conservation import FreeBlock
-from taichi_silo.transfers import TRANSFERS, Blend
+from taichi_silo.mpm.laws import Elastic
+from taichi_silo.mpm.loops import NODES, POINTS
+from taichi_silo.mpm.particles import Particles
+from taichi_silo.mpm.shapes import SHAPES
+from taichi_silo.mpm.solver import STRESS_UPDATES
+from taichi_silo.mpm.velocity_transfer import TRANSFERS, Blend
+from validation.stability.bodies import block, change, solver
+from validation.stability.conservation import FreeBlock
 
 LAW = Elastic(1e6, 0.2)
 COMBINATIONS = [

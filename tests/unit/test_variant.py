@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from taichi_silo.faults import RunFailed
-from taichi_silo.ledger import Ledger
-from taichi_silo.observers.guard import Guard
-from taichi_silo.scene import Flow, Machine, Mesh, Method, Scene, Silo, Walls
-from taichi_silo.shapes import SHAPES
-from taichi_silo.simulation import Simulation
-from taichi_silo.stability.bodies import block
-from taichi_silo.variant import Variant
-from taichi_silo.weaknesses import weaknesses
+from taichi_silo.errors import RunFailed
+from taichi_silo.mpm.shapes import SHAPES
+from taichi_silo.runs.observers.guard import Guard
+from taichi_silo.scene.known_weaknesses import weaknesses
+from taichi_silo.scene.method_options import Variant
+from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Silo, Walls
+from taichi_silo.simulation.discharge import Ledger
+from taichi_silo.simulation.simulation import Simulation
+from validation.stability.bodies import block
 
 ROOT = Path(__file__).parents[2]
 COARSE = {"silo": Silo(width_m=0.1, height_m=0.2), "grid": Mesh(cell_size_m=0.02), "machine": Machine(threads=1)}

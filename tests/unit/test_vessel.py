@@ -10,14 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from taichi_silo.measure.matching import matched
-from taichi_silo.placing import Section, grid_of, surfaces_of
-from taichi_silo.scenario import Controlled
-from taichi_silo.scene import Mesh, Scene
-from taichi_silo.table import one_sentence
-from taichi_silo.theory.of_scene import theory_of
-from taichi_silo.vessel import Hopper, Insert, Outlet, Silo
-from taichi_silo.walls.surfaces import Surfaces
+from taichi_silo.analysis.measure.matching import matched
+from taichi_silo.analysis.theory.of_scene import theory_of
+from taichi_silo.cli.scenario_flags import Controlled
+from taichi_silo.mpm.walls.surfaces import Surfaces
+from taichi_silo.scene.scene import Mesh, Scene
+from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
+from taichi_silo.simulation.discretise import Section, grid_of, surfaces_of
+from taichi_silo.utils.schema import one_sentence
 
 
 def area_of(outline):

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
-from taichi_silo.theory.walker import Hopper, discharge_factor, filling_factor
+from taichi_silo.analysis.theory.walker import Hopper, discharge_factor, filling_factor
 
 hoppers = st.builds(
     Hopper,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from taichi_silo.measure.wall_pressure import cell_mean
+from taichi_silo.analysis.measure.wall_pressure import cell_mean
 
 HEIGHT = np.arange(0.0, 0.5001, 0.005)
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from taichi_silo.measure.arcs import circle_curvature, parabola_curvature
-from taichi_silo.measure.ridges import thin
-from taichi_silo.measure.zones import shear_zones
+from taichi_silo.analysis.measure.arcs import circle_curvature, parabola_curvature
+from taichi_silo.analysis.measure.ridges import thin
+from taichi_silo.analysis.measure.zones import shear_zones
 
 WIDTH, HEIGHT = 0.2, 0.5
 SPACINGS = pytest.mark.parametrize("columns", [20, 40, 60], ids=["10 mm", "5 mm", "3.3 mm"])
@@ -197,7 +197,7 @@ def test_the_mirrored_field_has_the_mirrored_zone(degrees, thickness, height):
 
 
 def test_a_profile_that_is_nowhere_above_half_has_no_width():
-    from taichi_silo.measure.zone import _side
+    from taichi_silo.analysis.measure.zone import _side
 
     distance = np.array([0.0, 1.0, 2.0])
     assert np.isnan(_side(np.array([-1.0, -2.0, -3.0]), distance))  # nothing was sheared: half of it is more than it

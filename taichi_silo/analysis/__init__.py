@@ -1,0 +1,1 @@
+"""Numbers from states and from theories: point fields, measures, closed-form theories."""

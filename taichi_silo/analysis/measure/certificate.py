@@ -1,0 +1,132 @@
+"""The quasi-static certificate: numbers for how far to trust a run."""
+
+import numpy as np
+import pandas as pd
+
+from taichi_silo.analysis.measure.deformation import Rings
+from taichi_silo.analysis.measure.matching import matched
+
+SURFACE = 0.9  # of the fill height; above, the mean stress is a few pascals and the law is not calibrated
+UNSHEARED = 0.005  # net shear strain up to which shear explains no densification
+MEAN_SPAN_PERIODS = (
+    3  # of the moving mean that noise is measured against; a whole number, or the column's mode stays in it
+)
+STEADY_AFTER_PERIODS = 7.5  # since the bottom began to move: its start, five periods, and the noise control's memory
+
+
+def certificate(records: pd.DataFrame, filled: dict | None, final: dict, simulation) -> dict:
+    """Measures of a run; those that it did not get far enough for are absent.
+
+    Parameters
+    ----------
+    records : one row an interval (attributes of `simulation.Record`, less the profile).
+    filled, final : states of the points after filling (None before) and at the end (`Simulation.points` plus
+        `displacement_m` and `time_s`).
+    simulation : the simulation.
+
+    """
+    weight = simulation.scene.weight_N_per_m
+    filled = matched(filled, final) if filled is not None else None
+    found = {
+        "force_balance_residual_over_weight": float(records.residual_N_per_m.abs().max() / weight),
+        "largest_time_step_over_stable": float((records.time_step_s / records.stable_step_s).max()),
+        "settled_before_flow": bool(simulation.settled),
+    }
+    flow = records[records.stage == "flow"]
+    if flow.empty or filled is None:
+        return found
+    if simulation.points_per_computed == 1:  # else they are equal because one is the other's image
+        difference = (flow.left_normal_N_per_m - flow.right_normal_N_per_m).abs()
+        found["left_right_difference_over_weight"] = float(difference.max() / weight)
+        if (difference > 1e-9 * weight).any():
+            onset = flow.displacement_m[difference > 1e-9 * weight]
+            found["left_right_difference_from_displacement_m"] = float(onset.iloc[0])
+    if simulation.scene.flow.outflow == "controlled":
+        work = weight * flow.displacement_m
+        found["largest_kinetic_energy_over_work"] = float((flow.kinetic_energy_J_per_m / work).max())
+        found |= _steady_measures(flow, simulation)
+    return found | _state_measures(filled, final, simulation.scene) if len(final["mass"]) else found
+
+
+def _steady_measures(flow: pd.DataFrame, simulation) -> dict:
+    """Noise, once the start of the bottom has rung down."""
+    period, weight = simulation.period, simulation.scene.weight_N_per_m
+    steady = flow[flow.time_s > simulation.flow_start + STEADY_AFTER_PERIODS * period]
+    if len(steady) < 2 * MEAN_SPAN_PERIODS * period / flow.interval_s.median():
+        return {}
+    # means over a period: the control answers single oscillations by design
+    control = _rolling(steady.control_N_per_m, steady.interval_s, period).abs() / weight
+    rigid = 0.5 * simulation.mass * simulation.scene.flow.speed_m_per_s**2
+    energy = steady.kinetic_energy_J_per_m / rigid
+    moving = {}
+    if simulation.scene.silo.sinks:  # else the sand does not move as one body
+        moving["kinetic_energy_over_rigid_motion"] = [float(energy.min()), float(energy.max())]
+    return moving | {
+        "noise_of_normal_force": noise(steady.normal_N_per_m, steady.interval_s, MEAN_SPAN_PERIODS * period),
+        "noise_control_force_over_weight_99th_percentile": float(control.quantile(0.99)),
+        "largest_noise_control_force_over_weight": float(control.max()),
+    }
+
+
+def _state_measures(filled: dict, final: dict, scene) -> dict:
+    width, height = scene.silo.width_m, scene.silo.height_m
+    x, y = filled["position"].T
+    below = y < SURFACE * height
+    core = below & (np.abs(x - 0.5 * width) <= 0.25 * width * (1.0 + 1e-9))
+    mass = filled["mass"]
+    if scene.silo.section == "round":  # per metre of the point's own girth
+        mass = mass * np.abs(x - 0.5 * width)
+    if not below.any() or not core.any():
+        return {}
+    growth = final["void_ratio"] - filled["void_ratio"]
+    path = final["path"] - filled["path"]
+    still = _unsheared(filled, final, below)
+    found = {
+        "mean_void_ratio_drift": float(np.average(growth[below], weights=mass[below])),
+        "core_strain_path": float(np.average(path[core], weights=mass[core])),
+        "unsheared_share": float(still.sum() / below.sum()),
+    }
+    if still.any():
+        found["unexplained_densification"] = unexplained_densification(filled, final, scene)[0]
+    inertial = inertial_number(path, final["time_s"] - filled["time_s"], final["stress"], scene)
+    found["inertial_number_99th_percentile"] = float(np.percentile(inertial[below], 99))
+    return found
+
+
+def inertial_number(path: np.ndarray, seconds: float, stress: np.ndarray, scene) -> np.ndarray:
+    """Of points (n,): shear rate times grain size over the root of pressure over grain density.
+
+    `path` is the length of the strain's path within so many seconds, `stress` (n, 4) the present one [Pa].
+    """
+    pressure = np.maximum(-stress[:, :3].sum(axis=1) / 3.0, 1.0)
+    rate = np.sqrt(2.0) * path / seconds
+    return rate * scene.sand.d50_m * np.sqrt(scene.sand.grain_density_kg_per_m3 / pressure)
+
+
+def _unsheared(filled: dict, now: dict, below: np.ndarray, rings: Rings | None = None) -> np.ndarray:
+    rings = rings or Rings(filled["position"])
+    return below & (rings.net_shear(now["position"]) < UNSHEARED)
+
+
+def unexplained_densification(filled: dict, now: dict, scene, rings: Rings | None = None) -> tuple[float, int]:
+    """Mean loss of void ratio of the sand that has not been sheared since `filled`, and the point that lost most.
+
+    Both are states of the points (`Simulation.points`), `rings` those of the first, if they are there. Nothing is lost
+    where all sand has been sheared.
+    """
+    still = _unsheared(filled, now, filled["position"][:, 1] < SURFACE * scene.silo.height_m, rings)
+    if not still.any():
+        return 0.0, 0
+    loss = np.where(still, filled["void_ratio"] - now["void_ratio"], -np.inf)
+    return float(np.average(loss[still], weights=filled["mass"][still])), int(np.argmax(loss))
+
+
+def noise(force: pd.Series, interval_s: pd.Series, span_s: float) -> float:
+    """RMS of a force about its moving mean, over its mean."""
+    smooth = _rolling(force, interval_s, span_s)
+    return float(np.sqrt(((force - smooth) ** 2).mean()) / force.mean())
+
+
+def _rolling(values: pd.Series, interval_s: pd.Series, span_s: float) -> pd.Series:
+    rows = max(1, round(span_s / interval_s.median()))
+    return values.rolling(rows, center=True, min_periods=rows).mean()

@@ -1,0 +1,79 @@
+"""What a run's flow was like, for its summary: pattern, residence times, shear zones inside."""
+
+import numpy as np
+
+from taichi_silo.analysis.measure.flow_pattern import flow_pattern, mean_velocity
+from taichi_silo.analysis.measure.matching import matched
+from taichi_silo.analysis.measure.residence import residence
+from taichi_silo.analysis.measure.zones import shear_zones
+
+FEWEST = 25  # points for any of these measures
+
+
+def flow_findings(filled: dict, before: dict, now: dict, scene) -> dict:
+    """Of the flow between two states (`Simulation.points` plus `displacement_m`, `time_s`, `sunk_m`, `left_m2`).
+
+    `filled` is the state that the flow started from, `left_m2` the area that has left since, `sunk_m` how far the
+    bottom has sunk.
+    """
+    seconds = now["time_s"] - before["time_s"]
+    if len(now["mass"]) < FEWEST or not seconds > 0.0:
+        return {}
+    silo, found = scene.silo, {}
+    over = [state["position"] + (0.0, state["sunk_m"]) for state in (before, now)]
+    origin = np.array([0.0, (now["sunk_m"] - before["sunk_m"]) / seconds])
+    place, velocity, index = mean_velocity(*over, seconds, before["identity"], now["identity"])
+    velocity = velocity - origin  # in the laboratory
+    volume, breadth = before["volume"][index], silo.width_m
+    if silo.section == "round":  # volumes are per metre of a point's own girth, the outflow per metre of the wall's
+        breadth = 0.5 * silo.width_m
+        volume = volume * np.abs(place[:, 0] - breadth) / breadth
+    outflow = (now["left_m2"] - before["left_m2"]) / seconds
+    height = float(np.quantile(place[:, 1], 0.99))
+    if outflow > 0.0:
+        pattern = flow_pattern(place, velocity, volume, silo.width_m, height, outflow / breadth)
+        found["flow_pattern"] = {
+            "kind": pattern.kind,
+            "transition_left_m": pattern.transition_left_m,
+            "transition_right_m": pattern.transition_right_m,
+            "stagnant_area_share": pattern.stagnant_area_share,
+            "between_s": [before["time_s"], now["time_s"]],
+        }
+    if outflow > 0.0 and not silo.sinks:  # sand on a bottom that sinks as a whole stays on it
+        stay = residence(place, velocity, volume, silo.width_m, outflow, silo.outlet_m)
+        found["residence"] = {
+            "plug_time_s": stay.plug_time_s,
+            "over_plug": dict(zip([f"{level:g}" for level in stay.quantiles], stay.over_plug, strict=True)),
+            "never_share": stay.never_share,
+            "first_from_surface_over_plug": stay.first_from_surface,
+        }
+    return found | {"zones_inside": zones_inside(filled, now, scene)}
+
+
+def zones_inside(filled: dict, now: dict, scene) -> dict:
+    """Number, thickness, curvature, branching of the shear zones inside, from the strain's path since filling."""
+    then = matched(filled, now)
+    found = shear_zones(
+        now["position"] + (0.0, now["sunk_m"]), np.maximum(now["path"] - then["path"], 0.0), scene.silo.width_m,
+        now["void_ratio"] - then["void_ratio"], scene.spacing_m, scene.sand.d50_m,
+        scene.averaging.length_m(scene.sand) or np.nan,
+    )  # fmt: skip
+    return {
+        "count": found.count,
+        "branching_points": len(found.branching_m),
+        "branching_points_on_walls": len(found.wall_branching_m),
+        "zones": [
+            {
+                "length_m": zone.length_m,
+                "thickness_m": zone.thickness_m.median,
+                "thickness_over_d50": zone.thickness_over_d50,
+                "thickness_over_characteristic_length": zone.thickness_over_internal_length,
+                "inclination_deg": zone.inclination_deg.median,
+                "curvature_1_per_m": zone.curvature_1_per_m,
+                "kind": zone.kind,
+                "wall_left_m": zone.wall_left_m,
+                "wall_right_m": zone.wall_right_m,
+            }
+            for zone in found.zones
+        ],
+    }

@@ -1,0 +1,199 @@
+"""Flow pattern of a discharging silo: mass, mixed or funnel flow, from the velocities of the points.
+
+After EN 1991-4 (1.5): in mass flow all the stored sand moves, also along the walls; in mixed flow the flow channel
+meets the wall below the free surface, at the effective transition; in funnel flow (pipe flow there) it does not, and
+sand next to the wall stands still from the bottom to the surface.
+
+Speeds are divided by the reference speed, the mean downward speed over the section = outflow of volume / width. The
+walls stand at x = 0 and x = width and the bottom is at y = 0, so a moving bottom's displacement has to be added to
+the positions; velocities are those of the laboratory. Mean velocities over an interval in which sand moves by a few
+spacings (`mean_velocity`) tell more than those of one moment, which carry the oscillations of the column.
+
+Known limits: walls are vertical. Speeds next to the wall are means over a layer of 0.05 widths (two spacings at
+least) and as much height; so
+
+- where the speed jumps with height, the transition is placed up to half that height off;
+- a channel whose boundary closes in on the wall meets it where it enters the layer, lower than at the wall itself by
+  0.9 layers times the boundary's slope;
+- a dead corner lower than half that height is not seen.
+
+Where the speed jumps across the channel's boundary, the boundary is found up to 1.5 spacings outside. A reference
+speed that changes with time (free outflow) must be that of the same interval.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from taichi_silo.analysis.measure.raster import Raster, clean
+
+MOVES = 0.1  # of the reference speed, from which on sand moves
+STAGNANT = 0.05  # of the reference speed: while the fill's own volume runs out, such sand sinks 1/20 of the height
+LAYER = 0.05  # of the width: thickness and height of the part of the wall layer that a speed is the mean of
+SURFACE = 0.9  # of the fill height: a channel that meets the wall above does so at the free surface
+
+
+@dataclass(frozen=True)
+class FlowPattern:
+    """What was found.
+
+    Attributes
+    ----------
+    kind : "mass", "mixed" or "funnel". Mixed is all between: also one wall with, and the other without transition.
+    transition_left_m, transition_right_m : lowest height above which, up to the surface, all sand next to the wall
+        moves [m]; 0 if that is everywhere, nan if it never is.
+    stagnant_area_share : share of the volume that is slower than 0.05 reference speeds, in any direction.
+    height_m : (rows,) heights of the channel's boundary [m].
+    x_left_m, x_right_m : (rows,) where the downward speed falls to the threshold, on both sides of the fastest place of
+        a row [m]; 0 or the width where it does not before the wall; nan in rows in which nothing moves.
+
+    """
+
+    kind: str
+    transition_left_m: float
+    transition_right_m: float
+    stagnant_area_share: float
+    height_m: np.ndarray
+    x_left_m: np.ndarray
+    x_right_m: np.ndarray
+
+
+def mean_velocity(before, after, interval_s: float, identity_before=None, identity_after=None):
+    """Mean velocity between two snapshots of the points that are in both.
+
+    Parameters
+    ----------
+    before, after : (n, 2) and (m, 2) positions in the laboratory [m].
+    interval_s : time between them [s].
+    identity_before, identity_after : (n,) and (m,) a number for each point that it keeps; not needed if no point has
+        left and the order is the same.
+
+    Returns
+    -------
+    position : (k, 2) half-way [m].
+    velocity : (k, 2) [m/s].
+    index : (k,) of the points in `before`.
+
+    Raises
+    ------
+    ValueError : if numbers of points differ and there are no identities, or if the interval is not positive.
+
+    """
+    before, after = np.asarray(before, float), np.asarray(after, float)
+    if not interval_s > 0.0:
+        raise ValueError(f"interval is {interval_s} s; it must be positive")
+    if identity_before is None or identity_after is None:
+        if len(before) != len(after):
+            raise ValueError(f"{len(before)} points before and {len(after)} after: identities are needed")
+        index = other = np.arange(len(before))
+    else:
+        _, index, other = np.intersect1d(identity_before, identity_after, assume_unique=True, return_indices=True)
+    start, end = before[index], after[other]
+    return 0.5 * (start + end), (end - start) / interval_s, index
+
+
+def flow_pattern(
+    position,
+    velocity,
+    volume,
+    width_m: float,
+    fill_height_m: float,
+    reference_speed_m_per_s: float,
+    threshold: float = MOVES,
+    stagnant_below: float = STAGNANT,
+    layer: float = LAYER,
+    surface: float = SURFACE,
+) -> FlowPattern:
+    """Measure the flow pattern.
+
+    Parameters
+    ----------
+    position : (n, 2) places over the bottom [m].
+    velocity : (n, 2) in the laboratory, upwards positive [m/s].
+    volume : (n,) present volume of the points per metre run [m2].
+    width_m : distance of the walls [m].
+    fill_height_m : height of the fill over the bottom now [m].
+    reference_speed_m_per_s : outflow of volume per metre run over the width.
+    threshold : downward speed over the reference speed from which on sand moves.
+    stagnant_below : speed over the reference speed below which sand counts as stagnant.
+    layer : thickness of the wall layer, and height that its speeds are means over, as a fraction of the width.
+    surface : fraction of the fill height above which a moving wall layer is the free surface's.
+
+    Raises
+    ------
+    ValueError : if a length or the reference speed is not positive, lengths of arrays differ, or there are fewer
+        than four points.
+
+    """
+    for name, value in (("width", width_m), ("fill height", fill_height_m), ("speed", reference_speed_m_per_s)):
+        if not value > 0.0:
+            raise ValueError(f"{name} is {value}; it must be positive")
+    points, velocity, volume = clean(position, velocity, volume)
+    if len(points) < 4:
+        raise ValueError(f"a flow pattern needs four points, there are {len(points)}")
+    spacing = float(np.sqrt(np.median(volume)))
+    relative = -velocity[:, 1] / reference_speed_m_per_s
+    speed = np.hypot(*velocity.T) / reference_speed_m_per_s
+    window = max(layer * width_m, 2.0 * spacing)
+    top = surface * fill_height_m
+    left, right = (
+        _transition(points[near, 1], relative[near], volume[near], window, top, threshold)
+        for near in (points[:, 0] < window, points[:, 0] > width_m - window)
+    )
+    channel = _channel(points, relative, width_m, spacing, window, top, threshold)
+    return FlowPattern(
+        _kind(left, right), left, right, float(volume[speed < stagnant_below].sum() / volume.sum()), *channel
+    )
+
+
+def _kind(left: float, right: float) -> str:
+    if left == right == 0.0:
+        return "mass"
+    return "funnel" if np.isnan(left) and np.isnan(right) else "mixed"
+
+
+def _transition(height, relative, volume, window, top, threshold) -> float:
+    """Lowest height above which all means over windows of the wall layer reach the threshold."""
+    middle = np.arange(0.5 * window, max(top, 0.6 * window), 0.125 * window)
+    order = np.argsort(height, kind="stable")
+    first, last = (np.searchsorted(height[order], middle + end * window) for end in (-0.5, 0.5))
+    total, moved = (
+        np.concatenate([[0.0], np.cumsum(part[order])])[last] - np.concatenate([[0.0], np.cumsum(part[order])])[first]
+        for part in (volume, volume * relative)
+    )
+    there = total > 0.0  # else the surface is lower at the wall, or there is a gap
+    if not there.any():
+        return np.nan
+    middle, mean = middle[there], moved[there] / total[there]
+    still = np.flatnonzero(mean < threshold)
+    if not len(still):
+        return 0.0
+    k = still[-1]
+    if k == len(middle) - 1:
+        return np.nan
+    share = (threshold - mean[k]) / (mean[k + 1] - mean[k])
+    return float(middle[k] + share * (middle[k + 1] - middle[k]))
+
+
+def _channel(points, relative, width_m, spacing, window, top, threshold):
+    """Heights, and both boundaries about the fastest place of each row."""
+    raster = Raster.over(points, width_m, spacing, bottom_m=0.0, top_m=top)
+    rows = 2 * int(0.5 * window / raster.cell_m) + 1
+    field = uniform_filter1d(raster.of(relative), rows, axis=0, mode="nearest")
+    left, right = np.full(len(field), np.nan), np.full(len(field), np.nan)
+    there = raster.inside.any(axis=1)
+    for row in np.flatnonzero(there & (field.max(axis=1) >= threshold)):
+        fastest = int(np.argmax(field[row]))
+        right[row] = _fall(raster.x_m[fastest:], field[row, fastest:], threshold, width_m)
+        left[row] = _fall(raster.x_m[fastest::-1], field[row, fastest::-1], threshold, 0.0)
+    return raster.y_m, left, right
+
+
+def _fall(x, value, threshold: float, wall_m: float) -> float:
+    """First place along x at which the value falls to the threshold; the wall if it never does."""
+    below = np.flatnonzero(value < threshold)
+    if not len(below):
+        return wall_m
+    k = below[0] - 1
+    return float(x[k] + (value[k] - threshold) / (value[k] - value[k + 1]) * (x[k + 1] - x[k]))

@@ -1,0 +1,117 @@
+"""The largest over-pressure on a wall: normal stress during flow over that at the end of filling, at the same height.
+
+Both are read as a pressure cell reads them (`wall_pressure.cell_mean`). Left out are the corner, where the bottom
+carries part of the stress and a little rearrangement multiplies it, and the top, where the filling stress is below a
+tenth of its greatest value on that wall and the quotient means nothing.
+
+Known limits: a single record counts, so noise in time should have been averaged out before (mean over a period of the
+column or more); stresses nearer to each other than a cell are not told apart; the factor holds for these heights, and
+the greatest stress anywhere may lie elsewhere.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, cell_mean
+
+CORNER_M = 0.0125  # above the bottom: stresses there belong to the corner, as in the summary of a run
+LEAST_SHARE = 0.1  # of the greatest filling stress on a wall; below, no factor
+
+
+@dataclass(frozen=True)
+class Overpressure:
+    """The largest factor, and where and when; nan (and wall and record -1) if there is no place to measure.
+
+    Attributes
+    ----------
+    factor : normal stress over that at the end of filling [-].
+    wall : index of the wall.
+    height_m, time_s : where and when; `displacement_m` of the bottom if it was given, else nan.
+    record : index of the time.
+    stress_Pa, filling_stress_Pa : the two stresses, as the cell reads them.
+    factor_by_height : (walls, heights) largest factor over time; nan where none is measured.
+
+    """
+
+    factor: float
+    wall: int
+    height_m: float
+    time_s: float
+    displacement_m: float
+    record: int
+    stress_Pa: float
+    filling_stress_Pa: float
+    factor_by_height: np.ndarray
+
+
+def largest_overpressure(
+    time_s,
+    height_m,
+    normal_stress_Pa,
+    filling_stress_Pa,
+    displacement_m=None,
+    cell_m: float = CELL_M,
+    corner_m: float = CORNER_M,
+    least_share: float = LEAST_SHARE,
+) -> Overpressure:
+    """Find the largest over-pressure factor of a history of wall stresses.
+
+    Parameters
+    ----------
+    time_s : (times,) times of the records [s].
+    height_m : (heights,) rising heights of the nodes over the bottom, the same for all walls [m].
+    normal_stress_Pa : (times, walls, heights) normal stress, positive in compression [Pa]; nan where there is none.
+    filling_stress_Pa : (walls, heights) the same at the end of filling [Pa].
+    displacement_m : (times,) of the bottom [m], optional.
+    cell_m : height of the pressure cell [m].
+    corner_m : height above the lowest node that no cell may reach into [m].
+    least_share : of the greatest filling stress of a wall, below which (at the top) there is no factor.
+
+    Raises
+    ------
+    ValueError : if shapes do not fit or heights do not rise.
+
+    """
+    time, height = np.atleast_1d(np.asarray(time_s, float)), np.asarray(height_m, float)
+    stress, filling = np.asarray(normal_stress_Pa, float), np.asarray(filling_stress_Pa, float)
+    if filling.ndim != 2 or filling.shape[1] != len(height) or stress.shape != (len(time), *filling.shape):
+        raise ValueError(
+            f"shapes do not fit: {len(time)} times, {len(height)} heights, stresses {stress.shape}, "
+            f"at the end of filling {filling.shape}"
+        )
+    if (np.diff(height) <= 0.0).any():
+        raise ValueError("heights must rise from node to node")
+    displacement = np.full(len(time), np.nan) if displacement_m is None else np.asarray(displacement_m, float)
+    if displacement.shape != time.shape:
+        raise ValueError(f"{len(time)} times, but {displacement.size} displacements")
+
+    reader = np.column_stack([cell_mean(height, node, cell_m) for node in np.eye(len(height))])
+    read, before = _read(reader, stress), _read(reader, filling)
+    highest = np.nanmax(before, axis=1, keepdims=True, initial=0.0)
+    clear = height >= height[0] + corner_m + 0.5 * cell_m - 1e-9
+    measured = clear & (before >= least_share * highest) & (before > 0.0)
+    quotient = np.where(measured, read / np.where(measured, before, 1.0), np.nan)
+    by_height = np.max(np.where(np.isnan(quotient), -np.inf, quotient), axis=0, initial=-np.inf)
+    by_height = np.where(np.isfinite(by_height), by_height, np.nan)
+    if np.isnan(by_height).all():
+        return Overpressure(np.nan, -1, np.nan, np.nan, np.nan, -1, np.nan, np.nan, by_height)
+    record, wall, node = np.unravel_index(np.nanargmax(quotient), quotient.shape)
+    return Overpressure(
+        factor=float(quotient[record, wall, node]),
+        wall=int(wall),
+        height_m=float(height[node]),
+        time_s=float(time[record]),
+        displacement_m=float(displacement[record]),
+        record=int(record),
+        stress_Pa=float(read[record, wall, node]),
+        filling_stress_Pa=float(before[wall, node]),
+        factor_by_height=by_height,
+    )
+
+
+def _read(reader, stress):
+    """Cell means of stresses (..., heights); nan where the cell covers a node without stress."""
+    known = np.isfinite(stress)
+    mean = np.where(known, stress, 0.0) @ reader.T
+    return np.where((~known).astype(float) @ np.abs(reader.T) > 1e-12, np.nan, mean)

@@ -1,0 +1,86 @@
+"""The theories of a run's silo: Janssen, Walker, EN 1991-4 and Beverloo, with the scene's own numbers."""
+
+import math
+
+from taichi_silo.analysis.theory import beverloo
+from taichi_silo.analysis.theory.eurocode import SAND, EurocodeSilo
+from taichi_silo.analysis.theory.janssen import Janssen
+from taichi_silo.analysis.theory.walker import Hopper
+
+
+def janssen_of(scene, angle_deg: float, pressure_ratio: float) -> Janssen:
+    """Of the part with vertical walls."""
+    silo = scene.silo
+    density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
+    height = silo.height_m - silo.transition_m
+    return Janssen(silo.width_m, height, density, angle_deg, pressure_ratio, section=silo.section)
+
+
+def eurocode_of(silo, rough: bool, outlet_eccentricity_m: float = 0.0) -> EurocodeSilo:
+    """The code's silo of the same vertical walls with sand of table E.1, on a smooth (D2) or rough (D3) wall."""
+    return EurocodeSilo(
+        silo.width_m, silo.height_m - silo.transition_m, SAND, wall="D3" if rough else "D2", section=silo.section,
+        outlet_eccentricity_m=outlet_eccentricity_m,
+    )  # fmt: skip
+
+
+def hopper_of(scene, angle_deg: float, pressure_ratio: float, transition_stress_Pa: float, state: str) -> Hopper:
+    """Walker's hopper below it, filled or in discharge."""
+    silo = scene.silo
+    own = silo.hopper.friction_angle_deg
+    return Hopper(
+        silo.width_m, silo.hopper.outlet_width_m, silo.hopper.half_angle_deg,
+        scene.density_kg_per_m3 * scene.method.gravity_m_per_s2, angle_deg if own is None else own,
+        transition_stress_Pa, state=state, section=silo.section,
+        internal_friction_angle_deg=scene.sand.critical_friction_angle_deg, pressure_ratio=pressure_ratio,
+    )  # fmt: skip
+
+
+def theory_of(scene, angle_deg: float, pressure_ratio: float) -> dict:
+    """What the theories say of a scene's silo, for its summary.
+
+    Parameters
+    ----------
+    scene : of the run.
+    angle_deg : of wall friction; of very rough walls the mobilised one.
+    pressure_ratio : K of the vertical walls.
+
+    """
+    silo, g = scene.silo, scene.method.gravity_m_per_s2
+    left, right = silo.outlet_m
+    eccentricity = abs(0.5 * (left + right) - 0.5 * silo.width_m)
+    found = {"outlet_eccentricity_m": eccentricity}
+    code = eurocode_of(silo, scene.walls.kind == "very-rough", eccentricity)
+    deepest = code.height_m
+    found["eurocode"] = {"slenderness": code.slenderness, "limits": code.limits()}
+    if code.slenderness != "retaining":  # of which the code gives other pressures
+        found["eurocode"] |= {
+            "discharge_factors": list(code.discharge_factors),
+            "filling_normal_Pa": float(code.filling_normal_Pa(deepest)),
+            "discharge_normal_Pa": float(code.discharge_normal_Pa(deepest)),
+            "discharge_shear_Pa": float(code.discharge_shear_Pa(deepest)),
+            "large_eccentricity": bool(eccentricity > 0.25 * silo.width_m),
+        }
+    if silo.hopper is not None and 0.0 < angle_deg < 90.0:
+        above = float(janssen_of(scene, angle_deg, pressure_ratio).vertical_stress_Pa(deepest))
+        girths = 2 if silo.section == "round" else 1  # metres of girth that forces are counted for
+        for state in ("filling", "discharge"):
+            try:
+                hopper = hopper_of(scene, angle_deg, pressure_ratio, above, state)
+            except ValueError as error:  # a very rough wall is beyond Walker's theory
+                found["walker_limit"] = str(error)
+                break
+            found[f"walker_{state}"] = {
+                "transition_normal_Pa": float(hopper.transition_normal_stress_Pa),
+                "wall_force_N_per_m": float(girths * hopper.wall_force_N_per_m),
+                "outlet_force_N_per_m": float(girths * hopper.outlet_force_N_per_m),
+            }
+    if not silo.sinks:
+        grain, density = scene.sand.d50_m, scene.density_kg_per_m3
+        if silo.section == "round":
+            rate = beverloo.orifice_rate_kg_per_s(right - left, density, grain, gravity_m_per_s2=g)
+            rate = rate / (2.0 * math.pi) * 2.0 / (0.5 * silo.width_m)  # as forces are counted: of two metres of girth
+        else:
+            rate = beverloo.slot_rate_kg_per_s_m(right - left, density, grain, gravity_m_per_s2=g)
+        found["beverloo_kg_per_s_m"] = float(rate)
+    return found

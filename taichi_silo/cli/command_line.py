@@ -1,0 +1,152 @@
+"""A command line that says in one sentence what is wrong: of a scenario script, and of the program."""
+
+import functools
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import typer
+from pydantic import ValidationError
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from taichi_silo.errors import BadInput, MachineFailed, RunFailed, Stopped
+from taichi_silo.utils.bounded_reading import place
+from taichi_silo.utils.console import Voice
+from taichi_silo.utils.machine_faults import of_machine
+from taichi_silo.utils.messages import sentence as in_one_line
+from taichi_silo.utils.schema import one_sentence
+
+BAD_INPUT, FAILED, STOPPED = 2, 1, 130
+
+
+def command(function: Callable) -> None:
+    """Run a function as a command line: bad input ends with exit code 2, a failed run or machine with 1.
+
+    The function's parameters, typer options, are the flags; an unknown flag is refused with the nearest known one.
+    """
+    from taichi_silo.cli.flags import with_groups  # with it come the names of all shapes, and Taichi
+
+    app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+    app.command()(with_groups(function))
+    name = sys.argv[0]
+    serve(app, name if name.startswith("taichi-silo") else Path(name).name)
+
+
+def serve(app: typer.Typer, name: str) -> None:
+    """Run an app of a name; it ends the process with the exit code, after one sentence if something is wrong."""
+    for one in app.registered_commands:
+        one.callback = _stopping(one.callback)
+    try:
+        code = app(standalone_mode=False, prog_name=name) or 0
+        if code == STOPPED:  # typer's own answer to Ctrl-C
+            raise KeyboardInterrupt
+        sys.exit(code)
+    except typer.BadParameter as error:
+        _stop(_bad_flag(error), BAD_INPUT)
+    except typer.BadParameter.__base__ as error:  # an unknown flag, a flag without its value
+        _stop(error.format_message().rstrip("."), BAD_INPUT)
+    except typer.Abort:
+        _stop("stopped; everything up to then is kept", STOPPED)
+    except ValidationError as error:
+        _stop(one_sentence(error), BAD_INPUT)
+    except BadInput as error:
+        _stop(str(error), BAD_INPUT)
+    except MachineFailed as error:
+        _stop(str(error), FAILED)
+    except RunFailed as error:
+        _stop(f"the run went wrong {error}; everything up to then is kept", FAILED)
+    except KeyboardInterrupt:
+        _stop("stopped; everything up to then is kept", STOPPED)
+    except Exception as error:
+        if of_machine(error) is None:
+            raise
+        _stop("{}; {}, and give the command again".format(*of_machine(error)), FAILED)
+
+
+def _stopping(function: Callable) -> Callable:
+    """The function; if it was stopped, it says so before typer makes nameless what has stopped it."""
+
+    @functools.wraps(function)
+    def call(*args, **kwargs):
+        try:
+            return function(*args, **kwargs)
+        except Stopped as stop:
+            _stop(str(stop), stop.code)
+
+    return call
+
+
+def _bad_flag(error: typer.BadParameter) -> str:
+    flag = error.param.opts[0] if error.param is not None else "a flag"
+    if not flag.startswith("-"):  # an argument: the message names its value
+        message = error.message.removeprefix("Value error, ").rstrip(".")
+        return f"{flag}: {message or 'not given; see --help'}"
+    words = " ".join(sys.argv).replace(f"{flag}=", f"{flag} ").split()
+    given = words[words.index(flag) + 1] if flag in words[:-1] else "not given"
+    message = error.message.removeprefix("Value error, ")
+    return f"{flag} is {given}; {message[:1].lower()}{message[1:].rstrip('.')}"
+
+
+def _stop(sentence: str, code: int) -> None:
+    sentence = in_one_line(sentence)
+    print(f"Error: {sentence}{'' if sentence.endswith('?') else '.'}", file=sys.stderr)
+    sys.exit(code)
+
+
+def print_or_write(text: str, output: Path | None) -> None:
+    """Print a text, or write it to a file that is not there yet.
+
+    Raises
+    ------
+    BadInput
+        if the file is there, or cannot be written.
+
+    """
+    if output is None:
+        print(text, end="")
+        return
+    output = place(output, "output")
+    if output.exists():
+        raise BadInput(f"output {output} is there already; give another name")
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise BadInput(f"output {output} cannot be written: {error.strerror or error}") from error
+
+
+def explain(scene) -> None:
+    """Say which parts of the method a scene uses, and why."""
+    from taichi_silo.runs.method_choices import parts  # with it comes the whole solver
+
+    scene.machine.start()
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in ("part", "choice", "because", "overruled by"):
+        table.add_column(column)
+    for part in parts(scene):
+        table.add_row(part.part, part.choice, part.because, part.flag or "–")
+    Console(width=None if sys.stdout.isatty() else 132, highlight=False).print(table)
+
+
+def tell(folder: Path, voice: Voice | None = None) -> None:
+    """Say where to look, and how far to trust it."""
+    from taichi_silo.show.figures.run_files import RunFiles
+    from taichi_silo.show.report.trust import verdict
+
+    voice = voice or Voice()
+    voice.say(f"\nThe run is in {folder}")
+    for name, what in (
+        ("void_ratio.mp4", "film"), ("figures/forces.png", "P, T, N against the bottom displacement"),
+        ("figures/void_ratio.png", "shear zones"),
+        ("figures/wall_stress.png", "wall stresses, beside theory"), ("forces.csv", "force histories"),
+        ("summary.json", "peaks, residuals, certificate"), ("snapshots/silo.pvd", "for ParaView"),
+    ):  # fmt: skip
+        if (folder / name).exists():
+            voice.say(f"  {name:26s} {what}")
+    said = verdict(RunFiles.read(folder))
+    voice.say(f"\n{said.title}. {said.words}", f"One page of it all: taichi-silo report {folder}")
+    summary = folder / "summary.json"
+    found = json.loads(summary.read_text(encoding="utf-8")) if summary.exists() else {}
+    voice.result({"folder": str(folder), "summary": found})

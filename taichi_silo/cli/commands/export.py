@@ -1,0 +1,62 @@
+"""`taichi-silo export`."""
+
+from pathlib import Path
+from typing import Annotated
+
+from typer import Argument, Option
+
+from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
+from taichi_silo.utils.console import Voice
+
+
+def command(
+    folder: Annotated[Path, Argument(help="of a run, also of one that goes on")],
+    kind: Annotated[
+        str, Option("--format", help="vtkhdf (one file with time, for ParaView 5.12 and later) | csv (a table a state)")
+    ] = "vtkhdf",
+    output: Annotated[Path | None, Option(help="file, or folder of tables; FOLDER/silo.vtkhdf or FOLDER/csv")] = None,
+    overwrite: Annotated[bool, Option("--overwrite", help="replace an export that is there")] = False,
+    quiet: QuietFlag = False,
+    json: JsonFlag = False,
+) -> None:
+    """Write all states of a run, and the fields that follow from them, for other programs.
+
+    Lengths are in m, times in s; other units are in the names. Examples:
+
+    taichi-silo export outputs/silo
+
+    taichi-silo export outputs/silo --format csv --output tables
+    """
+    from rich.progress import Progress
+
+    from taichi_silo.errors import BadInput
+    from taichi_silo.runs.history import History
+    from taichi_silo.runs.run_folder import no_link, writable
+    from taichi_silo.show.export import tables, vtkhdf
+    from taichi_silo.utils.bounded_reading import as_left, place
+    from taichi_silo.utils.machine_faults import of_file
+
+    formats = {"vtkhdf": (vtkhdf.write, "silo.vtkhdf"), "csv": (tables.write, "csv")}
+    if kind not in formats:
+        raise BadInput(f"format is {kind}; it must be one of {', '.join(formats)}")
+    voice, history = Voice(quiet, json), History.read(folder)
+    write, name = formats[kind]
+    target = place(output, "output") if output else history.folder / name
+    there = any(target.glob("*")) if target.is_dir() else target.exists()
+    if there and not overwrite:
+        raise BadInput(f"output {target} is there already; give another name, or --overwrite to replace it")
+    if target.exists() and target.is_dir() != (kind == "csv"):
+        raise BadInput(f"output is {target}; it must be a {'folder' if kind == 'csv' else 'file'} for {kind}")
+    no_link(target, target.with_name(f"{target.name}.part"), *(target.glob("*.csv") if target.is_dir() else ()))
+    writable(target.parent)
+    with Progress(console=voice.console, transient=True, disable=quiet or not voice.console.is_terminal) as progress:
+        task = progress.add_task("writing", total=len(history.index))
+        try:
+            with as_left(history.folder):
+                count = write(history, target, lambda: progress.advance(task))
+        except OSError as error:
+            raise of_file(error, target) from error
+    files = [target] if target.is_file() else [*target.glob("*.csv")]
+    size = sum(file.stat().st_size for file in files)
+    voice.say(f"{target}  {count} states, {size / 1e6:.3g} MB")
+    voice.result({"output": str(target), "format": kind, "states": count, "bytes": size})

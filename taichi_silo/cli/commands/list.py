@@ -1,0 +1,29 @@
+"""`taichi-silo list`."""
+
+from taichi_silo.cli.output_flags import JsonFlag
+from taichi_silo.utils.console import Voice
+
+
+def command(json: JsonFlag = False) -> None:
+    """List the scenarios that can be run, and the published sands."""
+    from rich.table import Table
+
+    from taichi_silo.cli import catalogue
+    from taichi_silo.scene import sands
+
+    found, published = catalogue.scenarios(), sands.published()
+    voice = Voice(as_json=json)
+    if json:
+        voice.result({"scenarios": found, "sands": {name: sand["title"] for name, sand in published.items()}})
+        return
+    for title, rows in (
+        ("taichi-silo run SCENARIO", found),
+        ("--sand NAME", {name: f"{sand['title']} ({sand['source']})" for name, sand in published.items()}),
+    ):
+        table = Table(title=title, title_justify="left", show_header=False, box=None, pad_edge=False)
+        table.add_column(no_wrap=True)
+        table.add_column()
+        for name, words in rows.items():
+            table.add_row(name, words)
+        voice.console.print(table)
+        voice.say("")

@@ -1,0 +1,106 @@
+"""`taichi-silo run`: a scenario with its own flags, or a scene from a file."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
+
+OPTIONS = {
+    "context_settings": {"ignore_unknown_options": True, "allow_extra_args": True},
+    "add_help_option": False,
+}
+
+
+def _names(incomplete: str) -> list[str]:
+    from taichi_silo.cli import catalogue
+
+    return [name for name in catalogue.scenarios() if name.startswith(incomplete)]
+
+
+def run(
+    context: typer.Context,
+    what: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="SCENE.toml|SCENARIO",
+            autocompletion=_names,
+            help="a scene file (the run.toml of a run is one), or a scenario of `taichi-silo list`",
+        ),
+    ] = None,
+) -> None:
+    """Run a silo: SCENE.toml, or a SCENARIO with its flags (`taichi-silo run outlet --help` shows them).
+
+    Examples: taichi-silo run mass_flow --void-ratio 0.9 --walls smooth, taichi-silo run silo.toml --output outputs/mine
+    """
+    from taichi_silo.cli import catalogue
+    from taichi_silo.cli.command_line import command
+
+    rest = list(context.args)
+    if what is None or what in ("--help", "-h") or not _is_scene(what):
+        sys.argv = ["taichi-silo run", *rest]
+        if what is None or what.startswith("-"):
+            sys.argv = ["taichi-silo run", "--help"]
+            command(scene_file)
+        file = catalogue.script(what)
+        sys.argv = [f"taichi-silo run {file.stem}", *rest]
+        code = compile(file.read_text(encoding="utf-8"), str(file), "exec")
+        exec(code, {"__name__": "__main__", "__file__": str(file)})
+        return
+    sys.argv = ["taichi-silo run", what, *rest]
+    command(scene_file)
+
+
+def _is_scene(what: str) -> bool:
+    """Whether a word means a file rather than a scenario."""
+    return what.lower().endswith(".toml") or "/" in what or "\\" in what or Path(what).is_dir()
+
+
+def scene_file(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="what it leaves out takes the defaults")],
+    output: Annotated[
+        Path | None, typer.Option(help="folder of the run; outputs/ and the file's name if not given")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace a run in the output folder")] = False,
+    film: Annotated[bool, typer.Option(help="draw void_ratio.mp4")] = True,
+    change: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="PATH=VALUE: another value, such as --set flow.speed_m_per_s=0.005; repeatable"),
+    ] = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="print which parts of the method the scene uses, and why, and stop")
+    ] = False,
+    check: Annotated[bool, typer.Option("--check", help="only say whether the scene is possible")] = False,
+    quiet: QuietFlag = False,
+    json: JsonFlag = False,
+) -> None:
+    """Run a scene from a file: SCENE.toml (also the run.toml of an earlier run).
+
+    The same scene on the same number of threads gives the same forces, bit by bit. Instead of a file the name of a
+    scenario may stand, followed by its own flags: taichi-silo list, taichi-silo run outlet --help.
+
+    Example: taichi-silo run silo.toml --output outputs/mine --set sand.void_ratio=0.7
+    """
+    from taichi_silo.cli import command_line
+    from taichi_silo.runs.run_folder import free_name, named
+    from taichi_silo.scene.scene_files import read_scene
+    from taichi_silo.utils.console import Voice
+
+    voice = Voice(quiet, json)
+    wanted = read_scene(scene, change or ())
+    if explain:
+        command_line.explain(wanted)
+        return
+    if check:
+        voice.say(f"{scene} is a possible scene: {wanted.points:,} points, {wanted.weight_N_per_m:.4g} N/m of sand")
+        voice.result({"scene": wanted.model_dump(mode="json"), "points": wanted.points})
+        return
+    from taichi_silo.runs.observers.progress import ProgressLine
+    from taichi_silo.runs.session import run as simulate
+
+    folder = output.expanduser() if output else free_name(Path("outputs") / named(scene))
+    voice.say(f"The run goes to {folder}.")
+    left = simulate(wanted, folder, overwrite=overwrite, film=film, extra=(ProgressLine(voice.console),))
+    command_line.tell(left, voice)

@@ -1,0 +1,77 @@
+"""`taichi-silo sweep`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
+from taichi_silo.utils.console import Voice
+
+
+def sweep(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="SWEEP.toml", help="what varies, in which scene; or --vary and --scene")
+    ] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="without a file, PATH=V1,V2,...: values at a dotted path of run.toml, such as silo.outlet.width_m="
+            "0.04,0.08, or sand=NAME,...; the word default stands for a value that is not given; every combination of "
+            "several --vary is run"
+        ),
+    ] = None,
+    scene: Annotated[
+        list[Path] | None, typer.Option(help="without a file: scene (TOML) to vary; several are all run")
+    ] = None,
+    fidelity: Annotated[
+        str | None,
+        typer.Option(help="draft | standard | converged: cell size and speed of all runs, unless they vary"),
+    ] = None,
+    film: Annotated[bool | None, typer.Option(help="draw the films")] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="runs at a time, one core each; all cores of this machine if not given", min=1)
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(help="address of a dask scheduler whose workers do the runs, such as tcp://host:8786")
+    ] = None,
+    slurm: Annotated[bool, typer.Option("--slurm", help="do the runs in jobs of Slurm")] = False,
+    estimate: Annotated[bool, typer.Option("--estimate", help="only say what it would cost")] = False,
+    output: Annotated[
+        Path | None, typer.Option(help="folder; one subfolder a run; outputs/ and the file's name if not given")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="run anew what is there")] = False,
+    quiet: QuietFlag = False,
+    json: JsonFlag = False,
+) -> None:
+    """Run a scene many times with other values, on all cores or a cluster, and plot what comes out against them.
+
+    SWEEP.toml says what varies: every combination of a grid, or the draws of a latin_hypercube. A run that is
+    finished is kept: after Ctrl-C, a failure or a lost machine the same command goes on. A run that fails says why in
+    its row of sweep.csv, and stops no other.
+
+    Examples: taichi-silo sweep outlets.toml --estimate,
+    taichi-silo sweep --vary silo.outlet.width_m=0.04,0.08 --vary walls.kind=smooth,very-rough --fidelity draft
+    """
+    from taichi_silo.errors import RunFailed
+    from taichi_silo.runs.run_folder import named
+    from taichi_silo.studies.sweep.file import wanted
+    from taichi_silo.studies.sweep.whole_sweep import Study
+
+    voice = Voice(quiet, json)
+    flags = {"fidelity": fidelity, "film": film, "jobs": jobs, "scheduler": scheduler, "slurm": slurm}
+    plan = wanted(file, scene or [], vary or [], flags)
+    if not estimate:
+        plan.cluster.check()
+    study = Study(plan, output or Path("outputs") / (named(file) if file else "sweep"), voice, overwrite)
+    if estimate:
+        costs = study.estimate()
+        seconds = {name: cost.core_seconds for name, cost in costs.items()}
+        voice.result({"runs": len(study.runs), "missing": list(study.missing), "core_seconds": seconds})
+        return
+    study.run()
+    voice.say(*map(str, study.left))
+    voice.result(study.result)
+    if study.failures:
+        name, why = next(iter(study.failures.items()))
+        raise RunFailed(f"in {len(study.failures)} of {len(study.missing)} runs, the first being '{name}': {why}")

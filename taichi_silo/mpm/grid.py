@@ -1,0 +1,156 @@
+"""Every field of the nodes, and where the nodes are."""
+
+import taichi as ti
+
+from taichi_silo.mpm.runtime import real
+
+MARGIN = 2  # nodes beyond the sand on every side: a domain that reaches through a wall still finds its nodes
+
+
+@ti.data_oriented
+class Grid:
+    """Square cells over a box [0, width] x [0, height], node (i, j) at ((i - MARGIN) h, (j - MARGIN) h).
+
+    The grid may be laid anew in each step, so its origin follows the bottom plate of a silo, or its height the top
+    plate of a specimen; no field here outlives a step but `memory` and `stretch`.
+
+    ==============  ==========  ========================================================================
+    field           shape       meaning
+    ==============  ==========  ========================================================================
+    mass            copy, node  nodal mass [kg/m], one copy for each thread
+    momentum        copy, node  nodal momentum [kg m/s /m]
+    force           copy, node  internal force [N/m]
+    velocity        node        after the step [m/s]
+    change          node        of the velocity in the step [m/s]
+    echo            node        velocities that went to the nodes once more in the step [m/s]
+    memory          node, 3     exponential means of momentum (2) and mass, for the noise control [kg m/s /m, kg/m]
+    stretch         copy        height of the grid over its first height [-], one copy for each thread
+    ==============  ==========  ========================================================================
+
+    Parameters
+    ----------
+    width_m, height_m : size of the box that sand may fill.
+    cell_size_m : h.
+    copies : number of copies of the three sums.
+    follows : "bottom": the grid rides on the plate; "top": its height follows the plate, y = 0 stands still;
+        "surface": its height follows the free nodes at y = height; "nothing".
+    periodic : whether column `width / h` is column 0 again.
+
+    """
+
+    FOLLOWS = ("bottom", "top", "surface", "nothing")
+
+    def __init__(
+        self, width_m: float, height_m: float, cell_size_m: float, copies: int = 1, follows: str = "bottom",
+        periodic: bool = False,
+    ):  # fmt: skip
+        if follows not in self.FOLLOWS:
+            raise ValueError(f"follows is {follows!r}; it must be one of {', '.join(self.FOLLOWS)}")
+        if follows == "surface" and not periodic:
+            raise ValueError("a grid that follows the surface must be periodic: its first column must hold sand")
+        self.cell_size, self.height = cell_size_m, height_m
+        self.follows, self.periodic = follows, periodic
+        self.columns = round(width_m / cell_size_m) + (0 if periodic else 1 + 2 * MARGIN)
+        self.top = round(height_m / cell_size_m) + MARGIN
+        self.rows = self.top + 1 + MARGIN
+        self.nodes = self.columns * self.rows
+        self.copies = copies
+        self.mass = ti.field(real)
+        self.momentum = ti.Vector.field(2, real)
+        self.force = ti.Vector.field(2, real)
+        ti.root.dense(ti.i, copies * self.nodes).place(self.mass, self.momentum, self.force)
+        self.velocity = ti.Vector.field(2, real)
+        self.change = ti.Vector.field(2, real)
+        ti.root.dense(ti.i, self.nodes).place(self.velocity, self.change)
+        self.echo = ti.Vector.field(2, real, shape=self.nodes)
+        self.memory = ti.field(real, shape=(self.nodes, 3))
+        self.stretch = ti.field(real, shape=copies)
+        self.stretch.fill(1.0)
+
+    def forget_all(self) -> None:
+        """Stand as at the beginning."""
+        for sums in (self.mass, self.momentum, self.force, self.velocity, self.change, self.echo, self.memory):
+            sums.fill(0.0)
+        self.stretch.fill(1.0)
+
+    def node_along(self, position_m: float) -> int:
+        """Index, along its axis, of the node at a coordinate.
+
+        Raises
+        ------
+        ValueError
+            if no node lies there.
+
+        """
+        cells = position_m / self.cell_size
+        if abs(cells - round(cells)) > 1e-6:
+            raise ValueError(f"{position_m} m is not on a grid line of {self.cell_size} m cells")
+        return round(cells) + MARGIN
+
+    @property
+    def present_height(self) -> float:
+        """Distance of the plates [m] (Python scope)."""
+        return self.height * float(self.stretch[0])
+
+    @ti.func
+    def node(self, i, j):
+        """Flat index of the node in column i (any number if periodic) and row j."""
+        column = i
+        if ti.static(self.periodic):
+            column = i % self.columns
+        return j * self.columns + column
+
+    @ti.func
+    def cell_height(self, t):
+        """Height of a cell [m]."""
+        height = self.cell_size
+        if ti.static(self.follows in ("top", "surface")):
+            height = self.cell_size * self.stretch[t]
+        return height
+
+    @ti.func
+    def velocity_of_origin(self, step):
+        """How fast the grid as a whole moves [m/s]."""
+        rides = 1.0 if ti.static(self.follows == "bottom") else 0.0
+        return 0.0, rides * step.plate_velocity
+
+    @ti.func
+    def velocity_of_frame(self, step, j):
+        """How fast the nodes of row j move [m/s]."""
+        upwards = self.velocity_of_origin(step)[1]
+        if ti.static(self.follows == "top"):
+            upwards = step.plate_velocity * (j - MARGIN) / (self.top - MARGIN)
+        return 0.0, upwards
+
+    @ti.func
+    def recent_velocity(self, step, j, k, mass):
+        """What node k of row j, of a mass, remembers of its velocity [m/s]: mean momentum over mean mass.
+
+        It counts no more than the present mass allows, so that the wild velocity of a node that hardly any sand
+        touched does not outlive that touch. A node that had no sand remembers the velocity of the frame.
+        """
+        if self.memory[k, 2] == 0.0:
+            frame = self.velocity_of_frame(step, j)
+            self.memory[k, 0], self.memory[k, 1], self.memory[k, 2] = mass * frame[0], mass * frame[1], mass
+        per_mass = 1.0 / ti.max(self.memory[k, 2], mass)
+        return self.memory[k, 0] * per_mass, self.memory[k, 1] * per_mass
+
+    @ti.func
+    def remember(self, k, share, mass, velocity):
+        """Let a share of the present enter the memory of node k."""
+        self.memory[k, 0] = self.memory[k, 0] + share * (mass * velocity[0] - self.memory[k, 0])
+        self.memory[k, 1] = self.memory[k, 1] + share * (mass * velocity[1] - self.memory[k, 1])
+        self.memory[k, 2] = self.memory[k, 2] + share * (mass - self.memory[k, 2])
+
+    @ti.func
+    def forget(self, k):
+        """Node k has no sand."""
+        self.memory[k, 2] = 0.0
+
+    @ti.func
+    def follow(self, t, step):
+        """The height of thread t's grid after the step."""
+        if ti.static(self.follows == "top"):
+            self.stretch[t] += step.dt * step.plate_velocity / self.height
+        if ti.static(self.follows == "surface"):
+            self.stretch[t] += step.dt * self.velocity[self.top * self.columns][1] / self.height

@@ -1,0 +1,134 @@
+"""Elementary functions, each for a scalar and for eight lanes alike.
+
+Formulas of a point (laws, shapes) use + - * /, min, max, sqrt, select and these functions only, and never branch at
+run time, so that one source serves a GPU thread, a stress point and a group of particles. Branches belong to the loops,
+which ask for the `greatest` lane.
+
+In a kernel over lanes (see `lanes.py`) a power and an exponential are polynomials, because the processor's vector unit
+has neither: within 3e-15 of the library's. There a base counts as at most 32768, and one below 1e-18 as 0.
+"""
+
+import functools
+import math
+
+import numpy as np
+import taichi as ti
+
+from taichi_silo.mpm.runtime import wide
+
+ROOT2 = math.sqrt(2.0)
+UPPER = 2.0**0.25  # a base is brought to 2**-1/4 ... 2**1/4 by powers of two and a root of two
+DOWN, UP = (32, 16, 8, 4, 2, 1), (8, 4, 2, 1)  # exponents of those powers
+SQUARINGS = 4  # of exp(-x / 16)
+LARGEST_DECAY = 8.0  # exp(-x) is taken at most there
+
+
+@functools.cache
+def series(function, low: float, high: float, degree: int) -> tuple[tuple[float, ...], float]:
+    """Coefficients of a polynomial in (x - middle), and the middle: Chebyshev interpolation in long double."""
+    kind = np.longdouble
+    low, high = kind(low), kind(high)
+    angles = (np.arange(4 * degree).astype(kind) + kind(0.5)) * (kind(4) * np.arctan(kind(1))) / kind(4 * degree)
+    nodes = np.cos(angles)
+    values = function(0.5 * (low + high) + 0.5 * (high - low) * nodes)
+    powers = [np.array([1], kind), np.array([0, 1], kind)]  # Chebyshev polynomials by their coefficients
+    found = np.zeros(degree + 1, kind)
+    for k in range(degree + 1):
+        if k > 1:
+            following = np.zeros(k + 1, kind)
+            following[1:] = 2 * powers[-1]
+            following[: k - 1] -= powers[-2]
+            powers.append(following)
+        share = (kind(2) - (k == 0)) * (np.cos(k * angles) * values).sum() / len(nodes)
+        found[: k + 1] += share * powers[k]
+    scale = kind(2) / (high - low)
+    return tuple(float(found[k] * scale**k) for k in range(degree + 1)), float(0.5 * (low + high))
+
+
+@functools.cache
+def power_series(exponent: float) -> tuple[tuple[float, ...], float]:
+    """Of x**exponent around 1."""
+    return series(lambda x: np.power(x, np.longdouble(exponent)), 1.0 / UPPER, UPPER, 13)
+
+
+@functools.cache
+def decay_series() -> tuple[tuple[float, ...], float]:
+    """Of exp(-x) between 0 and 1/2."""
+    return series(lambda x: np.exp(-x), 0.0, 0.5, 11)
+
+
+@ti.func
+def polynomial(c: ti.template(), x):
+    """Sum of c_k x^k in pairs of pairs, so that the terms do not wait for each other."""
+    x2 = x * x
+    x4 = x2 * x2
+    low = (c[0] + c[1] * x) + (c[2] + c[3] * x) * x2
+    middle = (c[4] + c[5] * x) + (c[6] + c[7] * x) * x2
+    high = (c[8] + c[9] * x) + (c[10] + c[11] * x) * x2
+    if ti.static(len(c) > 12):
+        high = high + (c[12] + c[13] * x) * x4
+    return (low + middle * x4) + high * (x4 * x4)
+
+
+@ti.func
+def power_of_lanes(base, exponent: ti.template()):
+    """base**exponent by peeling off powers of two."""
+    rest, factor = ti.min(base, 32768.0), 0.0 * base + 1.0
+    for k in ti.static(UP):
+        above = rest > UPPER * 2.0 ** (k - 1)
+        rest = ti.select(above, rest * 2.0**-k, rest)
+        factor = ti.select(above, factor * 2.0 ** (k * exponent), factor)
+    for k in ti.static(DOWN):
+        below = rest < UPPER * 2.0**-k
+        rest = ti.select(below, rest * 2.0**k, rest)
+        factor = ti.select(below, factor * 2.0 ** (-k * exponent), factor)
+    below = rest < 1.0 / UPPER
+    rest = ti.select(below, rest * ROOT2, rest)
+    factor = ti.select(below, factor * 2.0 ** (-0.5 * exponent), factor)
+    c, middle = ti.static(power_series(exponent))
+    return ti.select(base > 1e-18, factor * polynomial(c, rest - middle), 0.0 * base)
+
+
+@ti.func
+def power(base, exponent: ti.template()):
+    """base**exponent for base >= 0 and an exponent known at compile time."""
+    result = base
+    if ti.static(exponent == 0.5):
+        result = ti.sqrt(base)
+    elif ti.static(exponent != 1.0 and wide()):
+        result = power_of_lanes(base, exponent)
+    elif ti.static(exponent != 1.0):
+        result = base**exponent
+    return result
+
+
+@ti.func
+def exp_minus(x):
+    """exp(-x) for x >= 0."""
+    result = x
+    if ti.static(wide()):
+        c, middle = ti.static(decay_series())
+        result = polynomial(c, ti.min(x, LARGEST_DECAY) * 0.5**SQUARINGS - middle)
+        for _ in ti.static(range(SQUARINGS)):
+            result = result * result
+    else:
+        result = ti.exp(0.0 - x)
+    return result
+
+
+@ti.func
+def greatest(x):
+    """The greatest of the lanes; of a scalar, itself."""
+    if ti.static(wide()):
+        return ti.max(ti.max(ti.max(x[0], x[1]), ti.max(x[2], x[3])), ti.max(ti.max(x[4], x[5]), ti.max(x[6], x[7])))
+    return x
+
+
+@ti.func
+def growth(rate_times_dt):
+    """Volume ratio exp(x) of a step of volume strain x, to third order.
+
+    The (1, 1) Pade form: a strain and its reverse cancel exactly, so that an oscillation cannot
+    pump the void ratio.
+    """
+    return (1.0 + 0.5 * rate_times_dt) / (1.0 - 0.5 * rate_times_dt)

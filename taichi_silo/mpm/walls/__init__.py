@@ -1,0 +1,16 @@
+"""Walls: `planes` and `outlets` hold nodes, `surfaces` press on the sand from anywhere; `coulomb` says how.
+
+The contract of a wall that holds nodes, a frozen dataclass with `name`, `contact` (see coulomb.py) and `motion` (its
+velocity as a multiple, along x and y, of the plate velocity of the step):
+
+`holds(i, j)`   whether it holds node (i, j)
+`normal(i, j)`  unit normal (x, y) out of the sand there
+`slot(i, j)`    where along the wall the reaction of the node is booked
+"""
+
+from taichi_silo.mpm.walls.contact import Coulomb, Glide, Grip, NoSlip
+from taichi_silo.mpm.walls.outlets import Gate, OpenFloor
+from taichi_silo.mpm.walls.planes import Pin, PlaneWall
+from taichi_silo.mpm.walls.surfaces import Surface
+
+__all__ = ["Coulomb", "Gate", "Glide", "Grip", "NoSlip", "OpenFloor", "Pin", "PlaneWall", "Surface"]

@@ -1,0 +1,72 @@
+"""A flat floor with an opening, and the gate that closes it.
+
+Both hold the nodes on the floor's line and below it. The two nodes at the edges belong to the floor on its line and to
+the gate below, so that what has passed the opening touches the floor no more.
+"""
+
+from dataclasses import dataclass
+
+import taichi as ti
+
+from taichi_silo.mpm.walls.contact import Coulomb, NoSlip
+
+
+@dataclass(frozen=True)
+class Level:
+    """What lies below a row of nodes.
+
+    Parameters
+    ----------
+    row : of the nodes on its line.
+    first, last : columns of the nodes at the edges of the opening.
+    contact : how it acts.
+
+    """
+
+    row: int
+    first: int
+    last: int
+    contact: Coulomb | NoSlip
+
+    @ti.func
+    def slot(self, i, j):
+        """The column."""
+        return i
+
+    @ti.func
+    def normal(self, i, j):
+        """Downwards."""
+        return 0.0, -1.0
+
+
+@dataclass(frozen=True)
+class OpenFloor(Level):
+    """The floor beside the opening; it stands still."""
+
+    name: str = "floor"
+    motion: tuple[float, float] = (0.0, 0.0)
+
+    @ti.func
+    def holds(self, i, j):
+        """Whether node (i, j) lies on the floor, or inside it."""
+        return (j == self.row and (i <= self.first or i >= self.last)) or (
+            j < self.row and (i < self.first or i > self.last)
+        )
+
+
+@dataclass(frozen=True)
+class Gate(Level):
+    """What the sand in the opening stands on: it sinks with the plate velocity, and the sand with it.
+
+    A gate that recedes faster than sand can follow is an open one.
+    """
+
+    name: str = "gate"
+    motion: tuple[float, float] = (0.0, 1.0)
+
+    @ti.func
+    def holds(self, i, j):
+        """Whether node (i, j) lies in the opening."""
+        return (j == self.row and i > self.first and i < self.last) or (
+            j < self.row and i >= self.first and i <= self.last
+        )

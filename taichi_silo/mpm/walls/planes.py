@@ -1,0 +1,85 @@
+"""Plane walls along grid lines."""
+
+from dataclasses import dataclass
+
+import taichi as ti
+
+from taichi_silo.mpm.walls.contact import Coulomb, Glide, Grip, NoSlip
+
+
+@dataclass(frozen=True)
+class PlaneWall:
+    """All nodes on a grid line and beyond it.
+
+    Parameters
+    ----------
+    name : "left", "right", "bottom", ...
+    axis : 0 for a wall at constant x, 1 for one at constant y.
+    side : -1 if the sand lies at greater coordinates, +1 if at smaller ones (the sign of the outward normal).
+    node : index of the grid line along `axis`.
+    contact : how it acts.
+    motion : its velocity as a multiple, along x and y, of the plate velocity of the step; (0, 0) stands still.
+    lowest : of a wall at constant x, the row of nodes at which it begins (above a hopper).
+
+    """
+
+    name: str
+    axis: int
+    side: int
+    node: int
+    contact: Coulomb | NoSlip | Glide | Grip
+    motion: tuple[float, float] = (0.0, 0.0)
+    lowest: int = 0
+
+    @ti.func
+    def holds(self, i, j):
+        """Whether node (i, j) lies on the wall or beyond."""
+        place = ti.select(self.axis == 0, i, j)
+        beyond = (place - self.node) * self.side
+        held = beyond >= 0
+        if ti.static(self.lowest > 0):
+            held = held and j >= self.lowest
+        return held
+
+    @ti.func
+    def slot(self, i, j):
+        """Where along the wall the reaction of node (i, j) is booked."""
+        return ti.select(self.axis == 0, j, i)
+
+    @ti.func
+    def normal(self, i, j):
+        """Unit normal out of the sand."""
+        across = 1.0 if self.axis == 0 else 0.0
+        return across * self.side, (1.0 - across) * self.side
+
+
+@dataclass(frozen=True)
+class Pin:
+    """One node that does not move along x.
+
+    Parameters
+    ----------
+    column, row : of the node.
+
+    """
+
+    column: int
+    row: int
+    name: str = "pin"
+    contact: Glide = Glide()
+    motion: tuple[float, float] = (0.0, 0.0)
+
+    @ti.func
+    def holds(self, i, j):
+        """Whether node (i, j) is the one, or below it."""
+        return i == self.column and j <= self.row
+
+    @ti.func
+    def slot(self, i, j):
+        """Where the reaction is booked."""
+        return 0 * i
+
+    @ti.func
+    def normal(self, i, j):
+        """Along x."""
+        return 1.0, 0.0

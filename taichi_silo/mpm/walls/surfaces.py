@@ -1,0 +1,218 @@
+"""Walls that do not follow the grid: inclined walls of a hopper, bodies inside the sand.
+
+To hold the nodes inside such a wall would make it as rough as the grid's steps. So the wall presses on the sand from
+its true surface: stations along it, some to a cell, carry a traction (p, tau) that grows as the sand approaches and
+slides, and that goes to the nodes with the weights that they have at the station,
+
+    p += k v_n dt,  tau += k v_t dt,  |tau| <= mu p,  p >= 0 (a gap opens instead),  f_i -= (p n + tau t) S_i ds,
+
+with weights S_i = S_i(x) m_i / sum(S m), and v = sum(S_i v_i) the velocity of the sand there. The stiffness
+k = STIFFNESS rho h / dt^2 follows from the step, so that it limits it no further; sand sinks into the wall by some
+thousandths of a cell. Balance is exact: what nodes get is what is booked. The grid must stand still.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import taichi as ti
+
+from taichi_silo.mpm.grid import MARGIN
+from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.walls.contact import Coulomb, NoSlip
+
+PER_CELL = 4  # stations along the edge of a cell
+STIFFNESS = 0.1  # k dt^2 / (rho h): the square of the angle by which sand on the wall swings in a step
+ON_AXIS = 1e-6  # of a cell: nearer to the axis of a round silo there is no wall
+LEAST = 0.02  # of the density of the full station's surroundings: less sand, and nothing touches
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A polygon line; the sand lies to the left of it, seen along its direction.
+
+    Parameters
+    ----------
+    name : "hopper_left", "insert_1", ...
+    corners : of the line [m], in the frame of the grid.
+    contact : Coulomb, or NoSlip (very rough: sand neither slides nor parts).
+
+    """
+
+    name: str
+    corners: tuple[tuple[float, float], ...]
+    contact: Coulomb | NoSlip
+
+    def stations(self, cell_size: float):
+        """Places (n, 2), unit normals out of the sand (n, 2), and lengths (n,) of its stations."""
+        places, normals, lengths = [], [], []
+        for start, end in zip(self.corners[:-1], self.corners[1:], strict=True):
+            start, end = np.array(start), np.array(end)
+            length = float(np.hypot(*(end - start)))
+            count = max(1, round(PER_CELL * length / cell_size))
+            along = (end - start) / length
+            places.append(start + (np.arange(count)[:, None] + 0.5) / count * (end - start))
+            normals.append(np.tile([along[1], -along[0]], (count, 1)))
+            lengths.append(np.full(count, length / count))
+        return np.concatenate(places), np.concatenate(normals), np.concatenate(lengths)
+
+
+class NoSurfaces:
+    """No such wall."""
+
+    ACTIVE = False
+
+    def clear(self) -> None:
+        """Nothing to let go."""
+
+    def take_over(self, other) -> None:
+        """Nothing to take over."""
+
+
+@ti.data_oriented
+class Surfaces:
+    """All of them on a grid.
+
+    ==============  ==========  ========================================================================
+    field           shape       meaning
+    ==============  ==========  ========================================================================
+    traction        station, 4  pressure p, friction tau along the tangent [Pa], gap [m], 1 / sum(S m)
+    fixed           station, 5  normal (2), area [m], friction coefficient (below 0: very rough), 1 / depth
+    patch           station     flat index of its first node
+    weight          station, 9  S of its 3 x 3 nodes
+    seen            node, 3     mass and velocity of the node in the present step
+    link, given     pair        station whose traction a node gets, and weight times area; `begin` (node + 1) says where
+    ==============  ==========  ========================================================================
+
+    """
+
+    ACTIVE = True
+
+    def __init__(self, surfaces, grid, density: float, first_wall: int, depth):
+        h = grid.cell_size
+        self.grid, self.density, self.first_wall = grid, density, first_wall
+        places, normals, areas, friction, owner = [], [], [], [], []
+        for number, surface in enumerate(surfaces):
+            x, n, s = surface.stations(h)
+            places.append(x)
+            normals.append(n)
+            areas.append(s)
+            mu = -1.0 if isinstance(surface.contact, NoSlip) else surface.contact.coefficient
+            friction.append(np.full(len(x), mu))
+            owner.append(np.full(len(x), first_wall + number))
+        place, normal, area = np.concatenate(places), np.concatenate(normals), np.concatenate(areas)
+        row = np.floor(place[:, 1] / h + 1e-9).astype(int) + MARGIN
+        order = np.argsort(row, kind="stable")
+        # none outside the grid, and in a round silo none beyond the axis
+        inside = (row[order] >= 0) & (row[order] < grid.rows) & (depth(place[order, 0]) > ON_AXIS * h)
+        order = order[inside]
+        place, normal, area, row = place[order], normal[order], area[order], row[order]
+        friction, owner = np.concatenate(friction)[order], np.concatenate(owner)[order]
+        away = depth(place[:, 0])
+        self.count = len(place)
+        self.places, self.normals, self.areas, self.owners = place, normal, area * away, owner
+        self.fixed = ti.field(real, shape=(self.count, 5))
+        self.fixed.from_numpy(np.column_stack([normal, area * away, friction, 1.0 / np.maximum(away, 1e-12)]))
+        self.wall = ti.field(ti.i32, shape=self.count)
+        self.wall.from_numpy(owner.astype(np.int32))
+        patch, weight = self._weights(place / h)
+        self.patches, self.station_weights = patch, weight
+        self.patch = ti.field(ti.i32, shape=self.count)
+        self.patch.from_numpy(patch)
+        self.weight = ti.field(real, shape=(self.count, 9))
+        self.weight.from_numpy(weight)
+        self.traction = ti.field(real, shape=(self.count, 4))
+        self.seen = ti.field(real, shape=(grid.nodes, 3))
+        self.row = ti.field(ti.i32, shape=grid.rows + 1)
+        self.row.from_numpy(np.searchsorted(row, np.arange(grid.rows + 1)).astype(np.int32))
+        nodes = patch[:, None] + np.array([b * grid.columns + a for b in range(3) for a in range(3)])
+        given = weight * (area * away)[:, None]
+        station = np.repeat(np.arange(self.count), 9)
+        sort = np.argsort(nodes.ravel(), kind="stable")
+        self.link, self.given = ti.field(ti.i32, shape=len(sort)), ti.field(real, shape=len(sort))
+        self.link.from_numpy(station[sort].astype(np.int32))
+        self.given.from_numpy(given.ravel()[sort])
+        self.begin = ti.field(ti.i32, shape=grid.nodes + 1)
+        self.begin.from_numpy(np.searchsorted(nodes.ravel()[sort], np.arange(grid.nodes + 1)).astype(np.int32))
+
+    def _weights(self, place: np.ndarray):
+        """First node (n,) and S (n, 9) of the quadratic spline at places in cells (n, 2)."""
+        first = np.floor(place - 0.5).astype(int)
+        along = []
+        for axis in range(2):
+            f = place[:, axis] - first[:, axis] - 0.5  # 0 to 1
+            along.append(np.stack([0.5 * (1.0 - f) ** 2, 0.5 + f - f * f, 0.5 * f * f], axis=1))
+        weight = along[1][:, :, None] * along[0][:, None, :]
+        i, j = first[:, 0] + MARGIN, first[:, 1] + MARGIN
+        i, j = np.clip(i, 0, self.grid.columns - 3), np.clip(j, 0, self.grid.rows - 3)
+        return (j * self.grid.columns + i).astype(np.int32), weight.reshape(len(place), 9)
+
+    def clear(self) -> None:
+        """Let go."""
+        self.traction.fill(0.0)
+        self.seen.fill(0.0)
+
+    def take_over(self, other: "Surfaces") -> None:
+        """Press as others, of the same walls, did."""
+        self.traction.copy_from(other.traction)
+        self.seen.copy_from(other.seen)
+
+    def area_by_row(self, wall: int) -> np.ndarray:
+        """Area of a wall that the nodes of each row stand for (rows,) [m2/m, or per radian]."""
+        mine = self.owners == wall
+        area, patch = self.areas[mine, None] * self.station_weights[mine], self.patches[mine]
+        row = patch[:, None] // self.grid.columns + np.repeat(np.arange(3), 3)[None, :]
+        return np.bincount(row.ravel(), area.ravel(), minlength=self.grid.rows)
+
+    @ti.func
+    def press_on(self, books: ti.template(), k, j, dt, shared: ti.template()):
+        """Force on node k of row j; what it gets in a step is booked for the wall, in that row."""
+        x, y = 0.0, 0.0
+        for n in range(self.begin[k], self.begin[k + 1]):
+            q = self.link[n]
+            s = self.given[n] * self.seen[k, 0] * self.traction[q, 3]
+            p, tau, nx, ny = self.traction[q, 0], self.traction[q, 1], self.fixed[q, 0], self.fixed[q, 1]
+            fx, fy = -s * (p * nx - tau * ny), -s * (p * ny + tau * nx)
+            x, y = x + fx, y + fy
+            books.react(self.wall[q], j, (fx * dt, fy * dt), shared)
+        return x, y
+
+    @ti.func
+    def note(self, k, mass, x, y):
+        """Mass and velocity of node k after a step."""
+        self.seen[k, 0], self.seen[k, 1], self.seen[k, 2] = mass, x, y
+
+    @ti.func
+    def press_row(self, j, dt):
+        """New tractions of the stations of row j."""
+        h = self.grid.cell_size
+        for q in range(self.row[j], self.row[j + 1]):
+            first = self.patch[q]
+            m, vx, vy = 0.0, 0.0, 0.0
+            for b in ti.static(range(3)):
+                for a in ti.static(range(3)):
+                    k = first + b * self.grid.columns + a
+                    share = self.weight[q, 3 * b + a] * self.seen[k, 0]
+                    m, vx, vy = m + share, vx + share * self.seen[k, 1], vy + share * self.seen[k, 2]
+            nx, ny, mu = self.fixed[q, 0], self.fixed[q, 1], self.fixed[q, 3]
+            density = m * self.fixed[q, 4] / (h * h)
+            p, tau, gap, per_m = 0.0, 0.0, self.traction[q, 2], 0.0
+            if density > LEAST * self.density:
+                per_m = 1.0 / m
+                vx, vy = vx * per_m, vy * per_m
+                stiff = STIFFNESS * density * h / dt  # times a velocity: what the traction grows by in a step
+                towards, along = vx * nx + vy * ny, vy * nx - vx * ny
+                p = self.traction[q, 0] + stiff * towards
+                tau = self.traction[q, 1] + stiff * along
+                if mu >= 0.0:
+                    if gap > 0.0:
+                        gap -= towards * dt
+                        p = ti.max(-gap, 0.0) * stiff / dt
+                        gap = ti.max(gap, 0.0)
+                    elif p < 0.0:
+                        gap = -p * dt / stiff
+                        p = 0.0
+                    tau = ti.max(-mu * p, ti.min(mu * p, tau))
+            else:
+                gap = 0.0
+            self.traction[q, 0], self.traction[q, 1], self.traction[q, 2] = p, tau, gap
+            self.traction[q, 3] = per_m

@@ -1,0 +1,149 @@
+"""Checks of the states of all points, now and then."""
+
+import numpy as np
+import shapely
+
+from taichi_silo.analysis.measure.certificate import SURFACE, inertial_number, unexplained_densification
+from taichi_silo.analysis.measure.deformation import Rings
+from taichi_silo.analysis.measure.matching import matched
+from taichi_silo.runs.alarms.of_records import Check
+from taichi_silo.simulation.alarm import Alarm
+
+OUTSIDE = 0.5  # of a cell that the middle of a point may be beyond a wall
+BELOW, BESIDE = 2.0, 1.0  # cells below an opening and beside it: what has passed it spreads, and is soon taken out
+MOST_LOST = 0.003  # of void ratio, without shear that explains it
+INERTIAL = 1e-2  # dense flow below 1e-3 knows no rate; above 1e-2 friction and void ratio follow it
+SHARE = 99.0  # percentile of the points below the surface
+
+
+def space(scene):
+    """Where sand may be, in the frame of the grid: the silo and the free height above it, and the opening below it."""
+    silo, h = scene.silo, scene.grid.cell_size_m
+    left, right = silo.sides
+    free = silo.height_m + scene.filling.drop_m + scene.flow.displacement_m
+    above = shapely.box(left[-1, 0], left[-1, 1], right[-1, 0], left[-1, 1] + free)
+    found = shapely.union(shapely.Polygon(np.concatenate([right, left[::-1]])), above)
+    if not silo.sinks:
+        first, last = silo.outlet_m
+        found = shapely.union(found, shapely.box(first, -BELOW * h, last, 0.0))
+        found = shapely.union(found, shapely.box(first - BESIDE * h, -BELOW * h, last + BESIDE * h, -OUTSIDE * h))
+    for insert in silo.inserts:
+        found = shapely.difference(found, shapely.Polygon(insert.outline(silo.width_m)))
+    return found
+
+
+class _OfPoints(Check):
+    """Sees the states of all points."""
+
+    def filled(self, points) -> None:
+        """Hear which state the flow starts from."""
+
+
+class Outside(_OfPoints):
+    """Sand beyond the walls, the floor, or within an insert."""
+
+    def begin(self, simulation) -> None:
+        """The space that sand may be in, where it stands still."""
+        super().begin(simulation)
+        scene = simulation.scene
+        self.reach = OUTSIDE * scene.grid.cell_size_m
+        self.space = space(scene)
+        shapely.prepare(self.space)
+
+    def look(self, record, points) -> Alarm | None:
+        """Compare; the frame is that of the grid, which sinks with a floor that sinks."""
+        x, y = (points["position"] - (0.0, self.simulation.origin_m)).T
+        beyond = np.flatnonzero(~shapely.contains_xy(self.space, x, y))
+        if not len(beyond):
+            return None
+        far = shapely.distance(self.space, shapely.points(x[beyond], y[beyond]))
+        if not far.max() > self.reach:
+            return None
+        first = beyond[int(np.argmax(far))]
+        alarm = Alarm(
+            "outside the walls", True,
+            f"{int((far > self.reach).sum())} points are beyond the walls, the farthest{{place}} by "
+            f"{1e3 * far.max():.2f} mm, more than {OUTSIDE} cells", "the wall is thinner or sharper than the cells see",
+            "smaller cells, a smaller time step (cfl) or a blunter corner helps", float(far.max()), self.reach,
+        )  # fmt: skip
+        return alarm.at(points["position"][first], points["identity"][first])
+
+
+class _Since(_OfPoints):
+    """Knows an earlier state."""
+
+    def begin(self, simulation) -> None:
+        """Nothing is known yet."""
+        super().begin(simulation)
+        self.earlier = None
+
+    def state(self) -> dict:
+        """The state to compare with."""
+        return {"earlier": self.earlier}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """The state to compare with."""
+        self.begin(simulation)
+        self.earlier = kept.get("earlier")
+
+
+class Ratcheting(_Since):
+    """Void ratio lost without shear: oscillations compact the sand while its force curves still look fine."""
+
+    def begin(self, simulation) -> None:
+        """Nothing is filled yet."""
+        super().begin(simulation)
+        self.rings = None
+
+    def filled(self, points) -> None:
+        """Keep the state that the flow starts from."""
+        self.earlier = points
+
+    def look(self, record, points) -> Alarm | None:
+        """Compare the sand that has not been sheared with its state after filling."""
+        if self.earlier is None or self._free:  # sand that falls is not at rest, and lands as it can
+            return None
+        earlier = matched(self.earlier, points)
+        if self.rings is None or len(self.rings.index) != len(points["mass"]):  # else it is the same sand as before
+            self.rings = Rings(earlier["position"])
+        scene = self.simulation.scene
+        lost, where = unexplained_densification(earlier, points, scene, self.rings)
+        if not lost > MOST_LOST:
+            return None
+        cure = "switch the noise control on"
+        if scene.method.noise_control != "none":
+            cure = "slender silos and fine cells need more control: try larger cells or a slower bottom"
+        alarm = Alarm(
+            "ratcheting", False,
+            f"sand that has not been sheared has lost {lost:.4f} of void ratio since the filling, most of it{{place}}",
+            "oscillations compact it (ratcheting), and N is too high", cure, lost, MOST_LOST,
+        )  # fmt: skip
+        return alarm.at(points["position"][where], points["identity"][where])
+
+
+class Inertia(_Since):
+    """The inertial number of the sheared sand in controlled outflow, since the last look."""
+
+    def look(self, record, points) -> Alarm | None:
+        """Compare."""
+        before = self.earlier
+        self.earlier = {"identity": points["identity"], "path": points["path"], "time_s": record.time_s}
+        if before is None or record.stage != "flow" or self._free:
+            return None
+        scene = self.simulation.scene
+        path = points["path"] - matched(before, points)["path"]
+        number = inertial_number(path, record.time_s - before["time_s"], points["stress"], scene)
+        below = points["position"][:, 1] - self.simulation.origin_m < SURFACE * scene.silo.height_m
+        if not below.any():
+            return None
+        found = float(np.percentile(number[below], SHARE))
+        if not found > INERTIAL:
+            return None
+        alarm = Alarm(
+            "inertia", False,
+            f"the inertial number of the sheared sand is {found:.2g}, above {INERTIAL:g}, greatest{{place}}, though "
+            "the outflow is controlled", "the flow is too fast to be quasi-static", "a slower outflow helps",
+            found, INERTIAL,
+        )  # fmt: skip
+        where = int(np.argmax(np.where(below, number, -1.0)))
+        return alarm.at(points["position"][where], points["identity"][where])

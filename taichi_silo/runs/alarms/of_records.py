@@ -1,0 +1,226 @@
+"""Checks of a record: numbers that every interval gives."""
+
+import math
+from collections import deque
+
+import numpy as np
+
+from taichi_silo.simulation.alarm import Alarm
+
+LONGEST_STEP = 1.5  # over the stable one; beyond, sand ratchets long before it explodes
+LONGEST_FALLING = 4.0  # the same in free outflow, where one point that lands is stiff within a few steps
+DENSEST = 0.9  # of e_d0: no sand is denser
+LOOSEST = 1.001  # of e_i0: no sand that carries stress is looser, and what has separated keeps it
+FASTEST = 0.3  # of the wave speed: sand that falls through the whole silo stays far below
+MOST_SEPARATED = 0.5  # of the points: more, and the fill is falling apart
+BALANCE = 1e-6  # of the weight of the filled silo; round-off leaves 1e-15
+STORED = 2.0  # how often over the sand may give back what the stiffness at its stress says that it has stored
+REST = 1e-6  # of the weight times the height, that the books of energy may err by
+SWIFT = 5.0  # kinetic energy of controlled outflow over that of the whole sand at the speed of the outlet
+
+
+class Check:
+    """Knows the simulation; `look` finds an alarm or nothing."""
+
+    def begin(self, simulation) -> None:
+        """Remember whom to look at."""
+        self.simulation = simulation
+
+    def state(self) -> dict:
+        """What it has to know to go on: numbers, words, arrays."""
+        return {}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """Go on."""
+        self.begin(simulation)
+
+    def _at_most(self, alarm: Alarm, measure) -> Alarm:
+        """The alarm at the point where a measure (a function of the points) is greatest."""
+        points = self.simulation.points()
+        index = int(np.argmax(measure(points)))
+        return alarm.at(points["position"][index], points["identity"][index])
+
+    @property
+    def _free(self) -> bool:
+        """Whether sand falls out freely."""
+        return self.simulation.scene.flow.outflow == "gravity" and self.simulation.stage == "flow"
+
+
+class TimeStep(Check):
+    """The step of an interval against the stable one at its end: stress, and with it stiffness, rises within."""
+
+    def look(self, record) -> Alarm | None:
+        """Compare."""
+        limit = LONGEST_FALLING if self._free else LONGEST_STEP
+        over = record.time_step_s / record.stable_step_s
+        if not over > limit:
+            return None
+        given = self.simulation.scene.method.time_step_s is not None
+        cause = "the time step was given" if given else "the stress has risen faster than the step follows"
+        remedy = "let it be chosen, or give a smaller one" if given else "a slower bottom or a smaller cfl helps"
+        return Alarm(
+            "time step", True,
+            f"the time step of {1e6 * record.time_step_s:.1f} us is above {limit} times the stable one of "
+            f"{1e6 * record.stable_step_s:.1f} us", cause, remedy, over, limit,
+        )  # fmt: skip
+
+
+class Speed(Check):
+    """The fastest point against waves in the sand."""
+
+    def look(self, record) -> Alarm | None:
+        """Compare."""
+        limit = FASTEST * self.simulation.wave_speed
+        if not record.speed_m_per_s > limit:
+            return None
+        alarm = Alarm(
+            "speed", True,
+            f"a point{{place}} moves at {record.speed_m_per_s:.1f} m/s, more than {FASTEST} of the speed of waves in "
+            "the sand", "the computation is exploding", "a smaller time step (cfl), or another shape than linear helps",
+            record.speed_m_per_s, limit,
+        )  # fmt: skip
+        return self._at_most(alarm, lambda points: np.hypot(*points["velocity"].T))
+
+
+class Density(Check):
+    """The densest and the loosest point against what sand can be."""
+
+    def look(self, record) -> Alarm | None:
+        """Compare."""
+        sand = self.simulation.scene.sand
+        densest, loosest = DENSEST * sand.e_d0, LOOSEST * sand.e_i0
+        if record.void_ratio_low < densest:
+            alarm = Alarm(
+                "void ratio", True,
+                f"the void ratio falls to {record.void_ratio_low:.3f}{{place}}, below {densest:.3f}, denser than any "
+                "packing", *self._compactor(), record.void_ratio_low, densest,
+            )  # fmt: skip
+            return self._at_most(alarm, lambda points: -points["void_ratio"])
+        if record.void_ratio_high > loosest:
+            alarm = Alarm(
+                "void ratio", True,
+                f"the void ratio rises to {record.void_ratio_high:.3f}{{place}}, above {loosest:.3f}, looser than any "
+                "packing", "sand that separates has not been noticed", "a smaller time step (cfl) helps",
+                record.void_ratio_high, loosest,
+            )  # fmt: skip
+            return self._at_most(alarm, lambda points: points["void_ratio"])
+        return None
+
+    def _compactor(self) -> tuple[str, str]:
+        if self.simulation.scene.method.stress_filter == "smoothing":
+            return "the smoothing filter lets sand creep under its weight", "null-space does not"
+        return "oscillations have compacted it", "switch the noise control on, or give a smaller cfl"
+
+
+class Separation(Check):
+    """Points without stress in a silo that should be full of sand."""
+
+    def look(self, record) -> Alarm | None:
+        """Compare."""
+        limit = MOST_SEPARATED * self.simulation.scene.points
+        if record.stage != "flow" or self._free or record.separated <= limit:
+            return None
+        alarm = Alarm(
+            "separation", True,
+            f"{record.separated} of {self.simulation.scene.points} points carry no stress, the loosest{{place}}",
+            "the fill is falling apart", "a slower bottom lets it follow", record.separated, limit,
+        )  # fmt: skip
+        return self._at_most(alarm, lambda points: points["void_ratio"])
+
+
+class Balance(Check):
+    """Forces, weight and inertia: what they leave over is round-off."""
+
+    def begin(self, simulation) -> None:
+        """The weight of the filled silo."""
+        super().begin(simulation)
+        self.limit = BALANCE * simulation.mass * simulation.gravity
+
+    def look(self, record) -> Alarm | None:
+        """Compare."""
+        residual = abs(record.residual_N_per_m)
+        if residual <= self.limit:  # not so if it is no number
+            return None
+        return Alarm(
+            "force balance", True,
+            f"walls, weight and inertia are out of balance by {residual:.3g} N/m, more than {BALANCE:g} of the weight",
+            "an impulse is not in the books: this is a defect of the program, or of the memory of this machine",
+            "run once more, and report it if it comes again", residual, self.limit,
+        )  # fmt: skip
+
+
+class _Window(Check):
+    """Sums over the last period."""
+
+    def begin(self, simulation) -> None:
+        """Nothing is known yet."""
+        super().begin(simulation)
+        self.rows = deque(maxlen=simulation.rows_per_period)
+
+    def state(self) -> dict:
+        """The rows."""
+        return {"rows": [list(row) for row in self.rows]}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """The rows."""
+        self.begin(simulation)
+        self.rows.extend(tuple(row) for row in kept.get("rows", ()))
+
+    @property
+    def _full(self) -> bool:
+        return len(self.rows) == self.rows.maxlen
+
+
+class Energy(_Window):
+    """Kinetic energy against its sources.
+
+    Over any time sand cannot gain more of it than gravity and moving walls have done in work, and than it had stored
+    in its stress at the beginning.
+    """
+
+    def begin(self, simulation) -> None:
+        """What its books may err by."""
+        super().begin(simulation)
+        self.rest = REST * simulation.mass * simulation.gravity * simulation.scene.silo.height_m
+
+    def look(self, record) -> Alarm | None:
+        """Compare over the last period."""
+        self.rows.append((record.kinetic_gain_J_per_m, record.work_J_per_m, record.stored_J_per_m))
+        if not self._full:
+            return None
+        gain = math.fsum(row[0] for row in self.rows)
+        limit = max(math.fsum(row[1] for row in self.rows), 0.0) + STORED * self.rows[0][2] + self.rest
+        if not gain > limit:
+            return None
+        alarm = Alarm(
+            "energy", True,
+            f"the sand has gained {gain:.3g} J/m of motion within a period, the fastest{{place}}; weight, walls and "
+            f"stress can have given {limit:.3g} J/m", "the computation makes energy of nothing",
+            "a smaller time step (cfl) or the noise control helps", gain, limit,
+        )  # fmt: skip
+        return self._at_most(alarm, lambda points: np.hypot(*points["velocity"].T))
+
+
+class Motion(_Window):
+    """Kinetic energy of controlled outflow against that of sand which follows the outlet as one body."""
+
+    def look(self, record) -> Alarm | None:
+        """Compare the mean of the last period."""
+        simulation = self.simulation
+        if self._free or record.stage != "flow":
+            return None
+        self.rows.append((record.kinetic_energy_J_per_m,))
+        if not self._full:
+            return None
+        limit = SWIFT * 0.5 * simulation.mass * simulation.scene.flow.speed_m_per_s**2
+        mean = math.fsum(row[0] for row in self.rows) / len(self.rows)
+        if mean <= limit:
+            return None
+        alarm = Alarm(
+            "not quasi-static", False,
+            f"the sand has {mean / limit * SWIFT:.3g} times the kinetic energy that it would have at the speed of the "
+            "outlet, the fastest{place}, though the outflow is controlled",
+            "it falls or oscillates instead of following", "a slower outflow, smaller cells or the noise control helps",
+            mean, limit,
+        )  # fmt: skip
+        return self._at_most(alarm, lambda points: np.hypot(*points["velocity"].T))

@@ -1,0 +1,152 @@
+"""What a run will cost, said before it starts: steps from the waves in the sand, seconds a step from a short rehearsal.
+
+The time step is a fraction of h / c, and c grows with a power of the stress, so the number of steps follows from the
+greatest stress that the sand will carry. That stress is taken as a multiple of the overburden at half the height; the
+multiples (`FILLED`, `FLOWING`) are of the wave speed, and were measured on dense and loose Karlsruhe sand, 50 to 2.5 mm
+cells. The steps come out within 10 % on grids of 4 to 80 cells across, up to 25 % elsewhere.
+"""
+
+import contextlib
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from taichi_silo.errors import RunFailed
+from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
+from taichi_silo.mpm.laws.stress_point import wave_speed
+from taichi_silo.mpm.shapes import SHAPES
+from taichi_silo.scene.scene import Scene
+from taichi_silo.simulation.alarm import Alarms
+from taichi_silo.simulation.filling import FIRST_STEP, LONGEST_SETTLING_PERIODS, duration
+from taichi_silo.simulation.simulation import STEP_SAFETY, Simulation, flow_time
+
+SETTLING_PERIODS = 5.0  # until the wall force rests, with noise control
+FILLED = {"smooth": 1.15, "very-rough": 1.04}  # greatest wave speed over that at half the height, after filling
+FLOWING = {"smooth": 1.16, "very-rough": 1.05}  # the same in flow; of very rough walls with 20 cells across
+SHARPER = 0.12  # growth of the latter with each halving of the cells: shear zones get thinner, their stress higher
+SHARPNESS = (0.85, 1.17)  # where that growth begins and ends
+RESOLVED = 1.38  # factor of the latter where several points share a cell
+REHEARSED_S = 0.4  # of stepping
+START_S = 6.0  # of a process: Taichi's start and the compilation of the step
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Of a run: points, steps, and the seconds of stepping times the threads that share it."""
+
+    points: int
+    steps: int
+    core_seconds: float
+
+    @property
+    def nanoseconds(self) -> float:
+        """Of one point and step, on one core."""
+        return 1e9 * self.core_seconds / (self.points * self.steps)
+
+
+def steps(scene: Scene) -> int:
+    """Number of time steps of a run of this scene, filling and settling included; Taichi has been started."""
+    method, height = scene.method, scene.silo.height_m
+    law = scene.sand.constitutive_law(method.mass_scaling)
+
+    def speed(middle: float) -> float:
+        return wave_speed(law, (-0.5 * middle, -middle, -0.5 * middle, 0.0), scene.sand.void_ratio)
+
+    c = speed(0.5 * scene.density_kg_per_m3 * method.gravity_m_per_s2 * height)
+    period = 4.0 * height / c
+    interval = period / scene.output.records_per_period
+    fraction = SHAPES[scene.grid.shape](0.5 / math.isqrt(scene.grid.points_per_cell)).stable_fraction
+    fraction = STEP_SAFETY * fraction if method.cfl is None else method.cfl
+
+    speed_of_flow = 0.0 if scene.flow.outflow == "gravity" else scene.flow.speed_m_per_s
+
+    def count(span: float, wave: float) -> int:
+        """Steps of one interval."""
+        step = method.time_step_s or fraction * scene.grid.cell_size_m / (wave + speed_of_flow)
+        return max(1, math.ceil(span / step - 1e-9))
+
+    filling = duration(scene, period)
+    rows = math.ceil(filling / interval)
+    loaded = FILLED[scene.walls.kind] * c
+    growing = [loaded * ((row + 1) / rows) ** (0.5 * law.degree) for row in range(1, rows)]
+    found = count(filling / rows, speed(2.0 * law.rest_stress) / FIRST_STEP)
+    found += sum(count(filling / rows, wave) for wave in growing)
+    settling = SETTLING_PERIODS * period
+    if method.stress_update != "last" or (method.noise_control == "none" and scene.walls.kind == "smooth"):
+        # the wall force does not come to rest
+        settling = max(method.longest_settling_s, LONGEST_SETTLING_PERIODS * period)
+    settling = min(settling, max(method.longest_settling_s, LONGEST_SETTLING_PERIODS * period))
+    found += round(settling / interval) * count(interval, loaded)
+    return found + round(flow_time(scene, period) / interval * count(interval, c * _sharpness(scene)))
+
+
+def _sharpness(scene: Scene) -> float:
+    """Greatest wave speed in flow, over that at half the height."""
+    found = FLOWING[scene.walls.kind]
+    if scene.walls.kind == "smooth":
+        return found
+    across = scene.silo.width_m / scene.grid.cell_size_m
+    if scene.grid.points_per_cell > 1:
+        return RESOLVED * found
+    return min(max(found + SHARPER * math.log2(across / 20.0), SHARPNESS[0]), SHARPNESS[1])
+
+
+def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
+    """Seconds that one step takes, from some steps of flow out of a geostatic state; the simulation is left as it was.
+
+    Parameters
+    ----------
+    simulation : not yet begun.
+    seconds : how long to measure; at least three intervals of the simulation are.
+
+    """
+    particles, memory = simulation.particles, simulation.solver.grid.memory
+    arrays = particles.arrays()
+    clock = {name: value for name, value in vars(simulation).items() if isinstance(value, int | float | str | None)}
+    scene, ledger, simulation.ledger = simulation.scene, simulation.ledger, None
+    alarms, simulation.alarms = simulation.alarms, Alarms()
+    depth = scene.silo.height_m - arrays["position"][:, 1]
+    vertical = -scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * np.maximum(depth, 0.0)
+    side = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio) * vertical
+    stress = np.minimum(np.stack([side, vertical, side, 0.0 * side], axis=1), arrays["stress"])
+    stress[:, 3] = 0.0
+    particles.load(arrays | {"stress": stress})
+    done, spent, rates, begun = simulation.steps, simulation.stepping_seconds, [], time.monotonic()
+    with contextlib.suppress(RunFailed):  # a run that cannot go on will say so itself
+        for _record in _flowing(simulation):
+            rates.append((simulation.stepping_seconds - spent) / (simulation.steps - done))
+            done, spent = simulation.steps, simulation.stepping_seconds
+            if len(rates) > 4 and time.monotonic() - begun > seconds:
+                break
+    found = float(np.median(rates)) if rates else math.nan  # the first interval builds lists; others get interrupted
+    simulation.ledger, simulation.alarms = ledger, alarms
+    for name, value in clock.items():
+        setattr(simulation, name, value)
+    particles.load(arrays)
+    memory.fill(0.0)
+    simulation.solver.surfaces.clear()
+    simulation.solver.books.take()
+    return found
+
+
+def _flowing(simulation: Simulation):
+    """Records of flow; of free outflow, whose solver is another, those of sand at rest, whose steps cost as much."""
+    if simulation.scene.flow.outflow == "gravity":
+        while True:
+            yield simulation.advance(simulation.interval)
+    yield from simulation.flow()
+
+
+def at_pace(scene: Scene, seconds: float) -> Cost:
+    """The cost of a run at a known pace, in seconds of one core for a point and step; Taichi has been started."""
+    number = steps(scene)
+    return Cost(scene.points, number, seconds * scene.points * number)
+
+
+def predict(simulation: Simulation) -> Cost:
+    """The cost of a run, before it starts."""
+    scene = simulation.scene
+    number = steps(scene)
+    return Cost(scene.points, number, number * rehearse(simulation) * simulation.solver.threads)

@@ -1,0 +1,136 @@
+"""Wall-force histories: `forces.csv`, and `balance.csv` with what closes the balance of each of its rows."""
+
+import contextlib
+import csv
+import errno
+import io
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from taichi_silo.errors import BadInput
+from taichi_silo.runs.observers import Observer
+from taichi_silo.utils.machine_faults import of_file
+
+FORCES = {
+    "time_s": lambda r: r.time_s,
+    "stage": lambda r: r.stage,
+    "displacement_m": lambda r: r.displacement_m,
+    "bottom_force_N_per_m": lambda r: r.bottom_N_per_m,
+    "left_normal_N_per_m": lambda r: r.left_normal_N_per_m,
+    "left_shear_N_per_m": lambda r: r.left_shear_N_per_m,
+    "right_normal_N_per_m": lambda r: r.right_normal_N_per_m,
+    "right_shear_N_per_m": lambda r: r.right_shear_N_per_m,
+    "wall_friction_angle_deg": lambda r: r.wall_friction_angle_deg,
+    "weight_N_per_m": lambda r: r.weight_N_per_m,
+    "discharged_kg_per_m": lambda r: r.discharged_kg_per_m,
+    "kinetic_energy_J_per_m": lambda r: r.kinetic_energy_J_per_m,
+}
+# bottom + shears = weight + momentum_rate - control (+ residual), in every row
+BALANCE = {
+    "time_s": lambda r: r.time_s,
+    "stage": lambda r: r.stage,
+    "momentum_rate_N_per_m": lambda r: r.momentum_rate_N_per_m,
+    "noise_control_force_N_per_m": lambda r: r.control_N_per_m,
+    "residual_N_per_m": lambda r: r.residual_N_per_m,
+    "time_step_s": lambda r: r.time_step_s,
+    "stable_step_s": lambda r: r.stable_step_s,
+}
+
+
+def of_bodies(names) -> dict:
+    """Columns of hopper walls and inserts: force on the sand to the right, and upwards."""
+    axes = ("horizontal", "vertical")
+    return {
+        f"{name}_{axis}_N_per_m": lambda r, name=name, k=k: r.bodies_N_per_m[name][k]
+        for name in names
+        for k, axis in enumerate(axes)
+    }
+
+
+class Table(Observer):
+    """One row of a CSV file for each record; in the file as soon as it is known, as a whole or not at all.
+
+    Parameters
+    ----------
+    file : where to.
+    columns : name and function of a record.
+    bodies : whether columns of hopper walls and inserts follow.
+
+    """
+
+    def __init__(self, file: Path, columns: dict, bodies: bool = False):
+        self.file, self.columns, self.bodies = file, columns, bodies
+
+    def begin(self, simulation) -> None:
+        """Write the head."""
+        self._open(simulation, "wb", 0)
+        self._write(self.columns)
+
+    def _open(self, simulation, mode: str, size: int) -> None:
+        if self.bodies:
+            self.columns = self.columns | of_bodies(simulation.bodies)
+        self.size = size
+        self.stream = open(self.file, mode, buffering=0)  # noqa: SIM115 - see end()
+
+    def _write(self, cells) -> None:
+        row = io.StringIO(newline="")
+        csv.writer(row).writerow(cells)
+        rest = memoryview(row.getvalue().encode())
+        size = self.size + len(rest)
+        try:
+            while rest:
+                rest = rest[self.stream.write(rest) :]
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                os.ftruncate(self.stream.fileno(), self.size)
+            raise of_file(error, self.file) from error
+        self.size = size
+
+    def state(self) -> dict:
+        """How many bytes are written."""
+        try:
+            os.fsync(self.stream.fileno())
+            if not os.fstat(self.stream.fileno()).st_nlink:
+                raise OSError(errno.ENOENT, "it has been removed")
+        except OSError as error:
+            raise of_file(error, self.file) from error
+        return {"bytes": self.size}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """Cut off what was written later."""
+        size = self.file.stat().st_size if self.file.exists() else 0
+        if size < kept["bytes"]:
+            raise BadInput(
+                f"{self.file} has {size} bytes; the run cannot go on without a gap, it had written {kept['bytes']}"
+            )
+        os.truncate(self.file, kept["bytes"])
+        self._open(simulation, "ab", kept["bytes"])
+
+    def observe(self, record) -> None:
+        """Write a row, with digits enough to check the balance to 1e-9."""
+        values = (read(record) for read in self.columns.values())
+        self._write(value if isinstance(value, str) else f"{value:.13g}" for value in values)
+
+    def end(self) -> None:
+        """Close the file."""
+        self.stream.close()
+
+
+NAMES = {"bottom_force_N_per_m": "bottom_N_per_m", "noise_control_force_N_per_m": "control_N_per_m"}
+
+
+def rows_of(folder: Path) -> pd.DataFrame:
+    """All records that the files of a run hold, in a record's own names, with N, T and the length of the interval.
+
+    A row that one of the files lacks, as when a disk was full, is left out.
+    """
+    forces, balance = (pd.read_csv(folder / name, encoding="utf-8") for name in ("forces.csv", "balance.csv"))
+    count = min(len(forces), len(balance))
+    rest = balance.columns.difference(forces.columns)
+    found = pd.concat([forces[:count], balance.loc[: count - 1, rest]], axis=1).rename(columns=NAMES)
+    for name in ("normal", "shear"):
+        found[f"{name}_N_per_m"] = 0.5 * (found[f"left_{name}_N_per_m"] + found[f"right_{name}_N_per_m"])
+    return found.assign(interval_s=np.diff(found["time_s"], prepend=0.0))

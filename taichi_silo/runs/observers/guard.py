@@ -1,0 +1,67 @@
+"""Looks for wrongness all the time, says when, where, why and what to do, and stops a run that is lost."""
+
+from taichi_silo.runs.alarms import of_points as of_points
+from taichi_silo.runs.alarms import of_records as of_records
+from taichi_silo.runs.observers import Observer
+
+EVERY_PERIODS = 10  # of the column, between two looks at all points
+OF_RECORDS = (
+    of_records.TimeStep, of_records.Speed, of_records.Density, of_records.Separation, of_records.Balance,
+    of_records.Energy, of_records.Motion,
+)  # fmt: skip
+OF_POINTS = (of_points.Outside, of_points.Ratcheting, of_points.Inertia)
+
+
+class Guard(Observer):
+    """Runs all checks; what they find is in `simulation.alarms`, and what does not stop the run in its warnings, too.
+
+    Raises
+    ------
+    RunFailed
+        from `observe`, naming time, place, likely cause and remedy.
+
+    """
+
+    def begin(self, simulation) -> None:
+        """Let the checks know whom to look at."""
+        self.simulation, self.count = simulation, 0
+        self.of_records = [check() for check in OF_RECORDS]
+        self.of_points = [check() for check in OF_POINTS]
+        for check in (*self.of_records, *self.of_points):
+            check.begin(simulation)
+
+    def state(self) -> dict:
+        """Of all checks."""
+        checks = {type(check).__name__: check.state() for check in (*self.of_records, *self.of_points)}
+        return {"count": self.count, "checks": checks}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """As they were."""
+        self.begin(simulation)
+        self.count = kept.get("count", 0)
+        for check in (*self.of_records, *self.of_points):
+            check.restore(simulation, kept.get("checks", {}).get(type(check).__name__, {}))
+
+    def filled(self) -> None:
+        """Show the checks of points the state that the flow starts from."""
+        points = self.simulation.points()
+        for check in self.of_points:
+            check.filled(points)
+
+    def observe(self, record) -> None:
+        """Run the checks of records, and now and then those of points."""
+        for check in self.of_records:
+            self._take(check.look(record))
+        self.count += 1
+        if self.count % (EVERY_PERIODS * self.simulation.rows_per_period):
+            return
+        points = self.simulation.points()
+        if len(points["mass"]):
+            for check in self.of_points:
+                self._take(check.look(record, points))
+
+    def _take(self, alarm) -> None:
+        simulation = self.simulation
+        if alarm is not None and simulation.alarms.take(alarm, simulation):
+            sentence = simulation.alarms.found[alarm.name].sentence
+            simulation.warnings.append(f"{sentence[:1].upper()}{sentence[1:]}.")

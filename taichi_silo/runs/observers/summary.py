@@ -1,0 +1,285 @@
+"""What a run found, in one file: `summary.json`."""
+
+import dataclasses
+import json
+import time
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from taichi_silo.analysis.measure.certificate import certificate
+from taichi_silo.analysis.measure.flow_findings import flow_findings
+from taichi_silo.analysis.measure.matching import matched
+from taichi_silo.analysis.measure.shear_zones import interior_zone_count, wall_zone_thickness_m
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, cell_mean
+from taichi_silo.analysis.theory.janssen import pressure_ratio_from_normal_force
+from taichi_silo.analysis.theory.of_scene import janssen_of, theory_of
+from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
+from taichi_silo.runs.method_choices import parts
+from taichi_silo.runs.observers import Observer
+from taichi_silo.runs.observers.forces import rows_of
+from taichi_silo.runs.observers.wall_profiles import WallProfiles
+from taichi_silo.utils import atomic_write
+
+RESIDUAL_SHARE = 0.05  # of the final displacement: the last part, whose mean is the residual state
+MEASURED = (0.9, 1.0)  # of the flow: between which its pattern is measured
+EARLY = 0.15  # of the sand: free outflow is measured until so much has left
+CORNER_M = 0.0125  # above the bottom: wall stresses there belong to the corner
+PROFILE_BAND = (0.2, 0.8)  # of the height: where the pressure ratio is measured, away from surface and corner
+
+
+class Summary(Observer):
+    """Keeps what the certificate needs, and writes the file when the run ends, also when it failed.
+
+    The force histories are read from their files, so that a long run needs no more memory than a short one; `profiles`
+    is the observer that has written walls.csv by then.
+    """
+
+    def __init__(self, file: Path, profiles: WallProfiles):
+        self.file, self.profiles, self.failure = file, profiles, None
+
+    def begin(self, simulation) -> None:
+        """Start the clock."""
+        self.simulation, self.after_filling = simulation, None
+        self.started, self.before, self.mid = time.monotonic(), None, None
+
+    def state(self) -> dict:
+        """All but the simulation."""
+        states = {name: getattr(self, name) for name in STATES}
+        return states | {"seconds": time.monotonic() - self.started}
+
+    def restore(self, simulation, kept: dict) -> None:
+        """As it was."""
+        self.simulation = simulation
+        self.started = time.monotonic() - kept["seconds"]
+        for name in STATES:
+            setattr(self, name, kept[name])
+
+    def observe(self, record) -> None:
+        """Keep the states between which the flow is measured."""
+        if record.stage == "flow" and self.mid is None:
+            part = self._part(record)
+            if self.before is None and part >= MEASURED[0]:
+                self.before = self._state()
+            elif self.before is not None and part >= MEASURED[1]:
+                self.mid = self._state()
+
+    def _part(self, record) -> float:
+        """How far the flow has come: of the displacement, or in free outflow of 15 % of the sand."""
+        scene = self.simulation.scene
+        if scene.flow.outflow == "gravity":
+            return record.discharged_kg_per_m / (EARLY * self.simulation.mass)
+        return record.displacement_m / scene.flow.displacement_m
+
+    def filled(self) -> None:
+        """Keep the state after filling."""
+        self.after_filling = self._state()
+
+    def _state(self) -> dict:
+        simulation = self.simulation
+        sunk = -simulation.origin_m
+        out = simulation.displacement * simulation.scene.silo.outlet_share_m
+        return simulation.points() | {
+            "displacement_m": simulation.displacement, "time_s": simulation.time, "sunk_m": sunk, "left_m2": out,
+        }  # fmt: skip
+
+    def end(self) -> None:
+        """Write the file."""
+        simulation, seconds = self.simulation, time.monotonic() - self.started
+        found = {"finished": self.failure is None, "averaging": simulation.about_averaging}
+        found["parts"] = [dataclasses.asdict(part) for part in parts(simulation.scene)]
+        if simulation.warnings:
+            found["warnings"] = simulation.warnings
+        if simulation.alarms.found:
+            found["alarms"] = simulation.alarms.state()
+        if self.failure is not None:
+            found["failure"] = self.failure
+        for what, measure in self._measures(found):
+            try:
+                found |= measure()
+            except Exception as error:  # noqa: BLE001 - a measure that fails must not cost all others
+                why = f"The {what} could not be measured: {type(error).__name__}: {error}."
+                found["warnings"] = [*found.get("warnings", []), why]
+        if simulation.ledger is not None:
+            found["ledger"] = self._ledger()
+        stepping, points = simulation.stepping_seconds, simulation.particles.count
+        found["cost"] = {
+            "points": points,
+            "steps": simulation.steps,
+            "time_step_s": simulation.time / max(simulation.steps, 1),
+            "seconds": stepping,
+            "particle_steps_per_second": points * simulation.steps / max(stepping, 1e-9),
+            "wall_seconds": seconds,
+        }
+        with atomic_write.written(self.file) as passing:
+            passing.write_text(json.dumps(_without_nan(found), indent=2) + "\n", encoding="utf-8")
+
+    def _measures(self, found: dict):
+        """Name and function of each measure that the run has come far enough for; later ones use what is found."""
+        simulation, folder = self.simulation, self.file.parent
+        if simulation.steps:
+            records = cache(lambda: rows_of(folder))
+            yield "forces", lambda: self._forces(records())
+            yield (
+                "certificate",
+                lambda: {"certificate": certificate(records(), self.after_filling, self._state(), simulation)},
+            )
+        if self.after_filling is not None:
+            yield "filling", lambda: {"janssen": self._janssen(found["filling"])}
+            yield (
+                "theory",
+                lambda: {
+                    "theory": theory_of(
+                        simulation.scene,
+                        found["janssen"]["wall_friction_angle_deg"],
+                        found["janssen"]["pressure_ratio_K0"],
+                    )
+                },
+            )
+            yield "shear zones", lambda: {"shear_zones": self._zones()}
+            yield "wall stresses", lambda: {"largest_wall_normal_stress_Pa": self._wall_stresses()}
+            yield "overpressure", self.profiles.overpressure
+            yield "largest wall stresses", self.profiles.largest_in_flow
+        if self.before is not None:
+            yield (
+                "flow pattern",
+                lambda: flow_findings(self.after_filling, self.before, self.mid or self._state(), simulation.scene),
+            )
+
+    def _ledger(self) -> dict:
+        """What has left, and whether the books close."""
+        simulation = self.simulation
+        gone, first = simulation.whole * simulation.ledger.mass, simulation.mass
+        return {
+            "discharged_kg_per_m": gone,
+            "left_in_silo_kg_per_m": simulation.held_mass,
+            "error_over_first_mass": abs(gone + simulation.held_mass - first) / first,
+        }
+
+    def _forces(self, records: pd.DataFrame) -> dict:
+        """State after filling, peaks in flow (means over one period) and residual state."""
+        period = self.simulation.rows_per_period
+        filling, flow = records[records.stage == "filling"], records[records.stage == "flow"]
+        found = {"weight_N_per_m": self.simulation.mass * self.simulation.gravity}
+        if not filling.empty:
+            found["filling"] = _means(filling.tail(period))
+        if len(flow) < period:
+            return found
+        smooth = flow[list(NAMES)].rolling(period, center=True, min_periods=period).mean()
+        found["peak"] = {}
+        for name, extreme in (
+            ("bottom_N_per_m", "min"), ("shear_N_per_m", "max"), ("normal_N_per_m", "max"),
+            ("wall_friction_angle_deg", "max"),
+        ):  # fmt: skip
+            where = getattr(smooth[name], f"idx{extreme}")()
+            found["peak"][f"{extreme}_{name}"] = {
+                "value": float(smooth[name][where]),
+                "displacement_m": float(flow.displacement_m[where]),
+            }
+        last = flow[flow.displacement_m >= flow.displacement_m.max() * (1.0 - RESIDUAL_SHARE)]
+        found["residual"] = _means(last)
+        return found
+
+    def _janssen(self, filling: dict) -> dict:
+        """Theory at the law's own K0 and at the K measured in the sand, beside the forces after filling."""
+        scene, points = self.simulation.scene, self.after_filling
+        ratio = measured_pressure_ratio(points, scene, self.simulation.spacing)
+        angle = scene.wall_friction_angle_deg
+        if scene.walls.kind == "very-rough":
+            angle = filling["wall_friction_angle_deg"]
+        found = {
+            "wall_friction_angle_deg": angle,
+            "pressure_ratio_K0": rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio),
+            "pressure_ratio_measured": ratio,
+        }
+        density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
+        straight = scene.silo.height_m - scene.silo.transition_m
+        if straight <= 0.0:  # inclined walls up to the surface
+            return found
+        try:
+            found["pressure_ratio_fitted"] = float(
+                pressure_ratio_from_normal_force(
+                    filling["normal_N_per_m"], scene.silo.width_m, straight, density, angle, scene.silo.section
+                )
+            )
+        except ValueError:  # no pressure ratio gives this force: a wall without contact, or a fill that hangs
+            found["pressure_ratio_fitted"] = None
+        for key in ("K0", "measured"):
+            if not (found[f"pressure_ratio_{key}"] > 0.0 and 0.0 <= angle < 90.0):
+                continue
+            theory = janssen_of(scene, angle, found[f"pressure_ratio_{key}"])
+            forces = {"normal_N_per_m": theory.normal_force_N_per_m, "shear_N_per_m": theory.shear_force_N_per_m}
+            if not scene.silo.transition_m:  # of a round silo two metres of girth are counted
+                forces["bottom_N_per_m"] = theory.bottom_force_N_per_m * (2 if scene.silo.section == "round" else 1)
+            for name, value in forces.items():
+                found[f"{name}_{key}"] = float(value)
+                found[f"{name}_{key}_relative_difference"] = float(filling[name] / value - 1.0)
+        return found
+
+    def _wall_stresses(self) -> dict:
+        """Of each state, away from the corner: at one node, and as a pressure cell reads it."""
+        walls, found = pd.read_csv(self.profiles.file), {}
+        for state, rows in walls[walls.wall.isin(["left", "right"])].groupby("state"):
+            node, cell = 0.0, 0.0
+            for _, wall in rows.groupby("wall"):
+                height, stress = wall.height_m.to_numpy(), wall.normal_stress_Pa.to_numpy()
+                inside = height > height[0] + CORNER_M
+                clear = height > height[0] + CORNER_M + 0.5 * CELL_M
+                node = max(node, float(stress[inside].max(initial=0.0)))
+                cell = max(cell, float(cell_mean(height, stress)[clear].max(initial=0.0)))
+            found[state] = {"node": node, "pressure_cell": cell}
+        return found
+
+    def _zones(self) -> dict:
+        scene, points = self.simulation.scene, self._state()
+        filled = matched(self.after_filling, points)
+        position = points["position"] + [0.0, points["sunk_m"]]
+        found = {}
+        for side in ("left", "right"):
+            zone = wall_zone_thickness_m(
+                position, points["void_ratio"], filled["void_ratio"], scene.silo.width_m, side=side
+            )
+            found[side] = {
+                "thickness_m": zone.median_m,
+                "lower_quartile_m": zone.lower_quartile_m,
+                "upper_quartile_m": zone.upper_quartile_m,
+                "contractant": zone.contractant,
+            }
+        interior = interior_zone_count(position, points["void_ratio"], scene.silo.width_m)
+        found["interior_zones"] = {"count": interior.count, "height_m": [float(y) for y in interior.height_m]}
+        return found
+
+
+STATES = ("after_filling", "before", "mid")
+NAMES = ("bottom_N_per_m", "normal_N_per_m", "shear_N_per_m", "wall_friction_angle_deg")
+
+
+def _without_nan(value):
+    """JSON knows no NaN: null instead."""
+    if isinstance(value, dict):
+        return {key: _without_nan(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(inner) for inner in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def _means(rows: pd.DataFrame) -> dict:
+    return {name: float(rows[name].mean()) for name in NAMES}
+
+
+def measured_pressure_ratio(points: dict, scene, spacing_m: float) -> float:
+    """K: mean horizontal stress of the points next to the walls over the mean vertical stress in the same band."""
+    x, y = points["position"].T
+    horizontal, vertical = -points["stress"][:, 0], -points["stress"][:, 1]
+    low, high = (share * scene.silo.height_m for share in PROFILE_BAND)
+    low = max(low, scene.silo.transition_m)
+    band = (y > low) & (y < high)
+    wall = band & ((x < spacing_m) | (x > scene.silo.width_m - spacing_m))
+    if not wall.any():
+        return float("nan")
+    weights = points["volume"][band]
+    if scene.silo.section == "round":  # volumes are per metre of the point's own girth
+        weights = weights * np.abs(x[band] - 0.5 * scene.silo.width_m)
+    return float(horizontal[wall].mean() / np.average(vertical[band], weights=weights))

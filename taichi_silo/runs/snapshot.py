@@ -1,0 +1,79 @@
+"""The state of all points in a file that ParaView opens, and back again."""
+
+from pathlib import Path
+
+import numpy as np
+
+from taichi_silo.errors import BadInput
+from taichi_silo.utils import vtu
+
+BETWEEN = "film_"  # how the names of snapshots begin that stand between those of the figures
+
+
+def stored(points: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """What a snapshot holds beside the places, under names with units.
+
+    Single precision is 6e-8 of a value; places stay in double precision, as strains follow from their differences.
+
+    Parameters
+    ----------
+    points : as `Simulation.points` gives them.
+
+    """
+    xx, yy, zz, _ = points["stress"].T
+    values = {
+        "void_ratio": points["void_ratio"],
+        "velocity": vtu.spatial(points["velocity"]),
+        "stress_Pa": points["stress"],
+        "mean_stress_Pa": -(xx + yy + zz) / 3.0,
+        "volume_m2_per_m": points["volume"],
+        "mass_kg_per_m": points["mass"],
+        "strain_path": points["path"],
+    }
+    found = {name: array.astype(np.float32) for name, array in values.items()}
+    return found | {"identity": points["identity"].astype(np.int32)}
+
+
+def write(file: Path, points: dict[str, np.ndarray]) -> None:
+    """Write a state; points that are not finite are left out."""
+    sound = np.all([np.isfinite(values).all(axis=tuple(range(1, values.ndim))) for values in points.values()], axis=0)
+    points = {name: values[sound] for name, values in points.items()}
+    vtu.write(file, vtu.spatial(points["position"]), stored(points))
+
+
+def read(file: Path) -> dict[str, np.ndarray]:
+    """A state as `Simulation.points` gives it.
+
+    Raises
+    ------
+    BadInput
+        if the file is not there, is damaged, or lacks an array.
+
+    """
+    file = Path(file)
+    if not file.is_file():
+        raise BadInput(f"snapshot {file} is {'no file' if file.exists() else 'missing'}")
+    try:
+        places, arrays = vtu.read(file)
+    except Exception as error:  # whatever a broken file makes of a parser, XML included
+        raise BadInput(f"snapshot {file} cannot be read; it is damaged") from error
+    names = {
+        "void_ratio": "void_ratio", "stress": "stress_Pa", "volume": "volume_m2_per_m", "mass": "mass_kg_per_m",
+        "path": "strain_path", "identity": "identity",
+    }  # fmt: skip
+    lacking = [name for name in ("velocity", *names.values()) if name not in arrays]
+    if lacking:
+        raise BadInput(f"snapshot {file} holds no {lacking[0]}; it must be of taichi_silo 0.2 or later")
+    shapes = {"stress_Pa": (len(places), 4), "velocity": (len(places), 3)}
+    for name in ("velocity", *names.values()):
+        if arrays[name].shape != shapes.get(name, (len(places),)):
+            raise BadInput(f"snapshot {file} cannot be read; its {name} is not that of its points")
+    points = {"position": places[:, :2], "velocity": arrays["velocity"][:, :2]}
+    points |= {own: np.asarray(arrays[name]) for own, name in names.items()}
+    kind = {"identity": np.int64}
+    return {own: values.astype(kind.get(own, np.float64)) for own, values in points.items()}
+
+
+def figured(index):
+    """Rows of `snapshots/index.csv` (a table) less those that only films need."""
+    return index[~index["file"].astype(str).str.startswith(BETWEEN)]

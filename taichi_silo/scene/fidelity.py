@@ -1,0 +1,67 @@
+"""Named settings between cheap and accurate, `fidelity.toml`, with what the chart measured of each."""
+
+import tomllib
+from pathlib import Path
+
+from taichi_silo.errors import BadInput
+from taichi_silo.utils.schema import Table
+
+FILE = Path(__file__).with_name("fidelity.toml")
+
+
+class Fidelity(Table):
+    """Values at dotted paths of the scene; errors against the chart's reference, and its cost, if they were measured.
+
+    The errors are those of `taichi_silo.chart.errors`, relative; the cost is that of the chart's scene [core-seconds].
+    """
+
+    settings: dict[str, float | int | str]
+    error_P: float | None = None
+    error_T: float | None = None
+    error_N: float | None = None
+    error_profile: float | None = None
+    error_zone: float | None = None
+    cost_core_seconds: float | None = None
+    reference: str | None = None
+
+    def values(self, table: str, **given) -> dict:
+        """Of one table of the scene, such as "grid"; values that are given and not None come first."""
+        own = {path.split(".")[1]: value for path, value in self.settings.items() if path.split(".")[0] == table}
+        return own | {name: value for name, value in given.items() if value is not None}
+
+    def words(self) -> str:
+        """What was measured, in a sentence."""
+        if self.error_N is None:
+            return "its error has not been measured on this version (make chart does)"
+        forces = ", ".join(f"{name} {100 * getattr(self, f'error_{name}'):.1f} %" for name in "PTN")
+        return f"error {forces} against {self.reference}; {self.cost_core_seconds:.3g} core-seconds in the chart"
+
+
+def fidelities(file: Path = FILE) -> dict[str, Fidelity]:
+    """All of a file, by name."""
+    tables = tomllib.loads(file.read_text(encoding="utf-8"))
+    return {name: Fidelity.model_validate(table) for name, table in tables.items()}
+
+
+def like(cell_size_m: float, speed_m_per_s: float) -> tuple[str, Fidelity] | None:
+    """The named setting, if any, with these cells and this speed."""
+    for name, one in fidelities().items():
+        wanted = one.settings.get("grid.cell_size_m"), one.settings.get("flow.speed_m_per_s")
+        if wanted == (cell_size_m, speed_m_per_s):
+            return name, one
+    return None
+
+
+def fidelity(name: str) -> Fidelity:
+    """The one of that name.
+
+    Raises
+    ------
+    BadInput
+        if there is none.
+
+    """
+    known = fidelities()
+    if name not in known:
+        raise BadInput(f"fidelity is {name}; it must be one of {', '.join(known)}")
+    return known[name]

@@ -1,0 +1,98 @@
+"""A body inside the sand."""
+
+import math
+from typing import Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from taichi_silo.scene import polygons
+from taichi_silo.utils.schema import Table
+
+
+class Insert(Table):
+    """A body inside the sand, across the whole silo: a roof (a triangle on its base), a cylinder, or any polygon."""
+
+    kind: Literal["roof", "cylinder", "polygon"] = Field(description="of body")
+    width_m: float | None = Field(None, ge=1e-4, le=1000, description="of the roof's base; diameter of the cylinder")
+    height_m: float | None = Field(
+        None, ge=1e-4, le=1000, description="of a roof above its base; as high as wide if absent"
+    )
+    bottom_m: float | None = Field(
+        None, gt=0, le=1000, description="lowest place above the floor, of a roof or cylinder"
+    )
+    position_m: float | None = Field(None, gt=0, le=1000, description="of its middle; that of the silo if absent")
+    corners_m: polygons.Corners | None = Field(
+        None, max_length=polygons.MOST_CORNERS, description="of a polygon: pairs of x and y, in any sense"
+    )
+    friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="that of the side walls if absent")
+
+    @model_validator(mode="after")
+    def _complete(self):
+        of_body = {name: getattr(self, name) for name in ("width_m", "height_m", "bottom_m", "position_m")}
+        if self.kind == "polygon":
+            if self.corners_m is None or any(value is not None for value in of_body.values()):
+                raise ValueError("an insert of kind polygon has corners_m, and no width, height, bottom or position")
+            polygons.polygon(self.corners_m, "insert")
+        elif self.corners_m is not None:
+            raise ValueError(f"a {self.kind} has no corners_m; only an insert of kind polygon has")
+        elif self.width_m is None or self.bottom_m is None:
+            raise ValueError(f"a {self.kind} needs width_m and bottom_m")
+        return self
+
+    @classmethod
+    def polygon(cls, corners_m, friction_angle_deg: float | None = None) -> "Insert":
+        """Of any shape: corners (x, y) [m], in any sense."""
+        corners = tuple((float(x), float(y)) for x, y in corners_m)
+        return cls(kind="polygon", corners_m=corners, friction_angle_deg=friction_angle_deg)
+
+    @property
+    def rise_m(self) -> float:
+        """Height of the body."""
+        if self.kind == "polygon":
+            return float(np.ptp(np.array(self.corners_m)[:, 1]))
+        if self.kind == "cylinder":
+            return self.width_m
+        return self.width_m if self.height_m is None else self.height_m
+
+    @property
+    def breadth_m(self) -> float:
+        """Width of the body."""
+        return self.width_m if self.kind != "polygon" else float(np.ptp(np.array(self.corners_m)[:, 0]))
+
+    def centre_m(self, silo_width_m: float) -> float:
+        """Where its middle stands."""
+        if self.kind == "polygon":
+            x = np.array(self.corners_m)[:, 0]
+            return float(0.5 * (x.min() + x.max()))
+        return 0.5 * silo_width_m if self.position_m is None else self.position_m
+
+    def outline(self, silo_width_m: float, corners: int = 48) -> np.ndarray:
+        """Corners (n, 2), anticlockwise [m]."""
+        if self.kind == "polygon":
+            return polygons.polygon(self.corners_m, "insert")
+        x, low = self.centre_m(silo_width_m), self.bottom_m
+        if self.kind == "roof":
+            half = 0.5 * self.width_m
+            return np.array([[x - half, low], [x + half, low], [x, low + self.rise_m]])
+        turn = 2.0 * np.pi * np.arange(corners) / corners
+        radius = 0.5 * self.width_m
+        return np.array([x, low + radius]) + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+
+    def area_m2(self) -> float:
+        """Of its section."""
+        if self.kind == "cylinder":
+            return 0.25 * math.pi * self.width_m**2
+        return polygons.area(self.outline(0.0))
+
+    def contains(self, x, y, silo_width_m: float):
+        """Whether places (arrays) lie inside."""
+        if self.kind == "cylinder":
+            right, up = np.asarray(x) - self.centre_m(silo_width_m), np.asarray(y) - self.bottom_m
+            radius = 0.5 * self.width_m
+            return right**2 + (up - radius) ** 2 < radius**2
+        return polygons.inside(x, y, self.outline(silo_width_m))
+
+    def words(self) -> str:
+        """For titles."""
+        return f"{'insert' if self.kind == 'polygon' else self.kind} of {1e3 * self.breadth_m:g} mm"

@@ -1,0 +1,62 @@
+"""Whether the memory of this machine suffices for a scene, before any of it is taken."""
+
+import contextlib
+import math
+import os
+from pathlib import Path
+
+from taichi_silo.errors import BadInput
+from taichi_silo.mpm.nonlocal_average import most_pairs
+from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.symmetry import half_model
+
+GIB = 2.0**30
+OF_PROCESS = 0.28 * GIB  # Python, Taichi and the compiled step
+OF_POINT = 700.0  # bytes, of the fields of a point and its node, and of copies; measured: 600 to 900
+OF_PAIR = 12.0  # of a non-local average
+GROUPS = (  # where Linux keeps the limit of a control group, such as that of a container or of a batch job
+    Path("/sys/fs/cgroup/memory.max"),
+    Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
+)
+
+
+def needed(scene: Scene) -> float:
+    """Bytes that a run of a scene takes, on the processor; rather too few than too many."""
+    points = scene.points / (2 if half_model(scene)[0] or scene.silo.section == "round" else 1)
+    kernel, _ = scene.averaging.kernel(scene.sand, scene.spacing_m)
+    pairs = most_pairs(kernel, scene.spacing_m, int(points)) if kernel else 0
+    return OF_PROCESS + OF_POINT * points + OF_PAIR * pairs
+
+
+def available() -> float:
+    """Bytes that this process may take: of the machine, of its control group, of its own limit; inf if unknown."""
+    found = [math.inf]
+    with contextlib.suppress(AttributeError, OSError, ValueError):  # Windows does not say
+        found.append(float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
+    for file in GROUPS:
+        with contextlib.suppress(OSError, ValueError):  # ValueError: "max"
+            found.append(float(file.read_text(encoding="ascii")))
+    with contextlib.suppress(ImportError):
+        import resource
+
+        own = resource.getrlimit(resource.RLIMIT_AS)[0]
+        found += [] if own == resource.RLIM_INFINITY else [float(own)]
+    return min(found)
+
+
+def check(scene: Scene) -> None:
+    """Refuse a scene that this machine has no room for; of a graphics card nothing is known.
+
+    Raises
+    ------
+    BadInput
+        that says what it needs and what there is.
+
+    """
+    wanted, there = needed(scene), available()
+    if scene.machine.arch == "cpu" and wanted > there:
+        raise BadInput(
+            f"cell size is {scene.grid.cell_size_m:g} m; its {scene.points:,} points need about {wanted / GIB:.3g} GiB "
+            f"of memory, and a process has at most {there / GIB:.3g} GiB here; larger cells, fewer points a cell or a "
+            "shorter characteristic length need less"
+        )

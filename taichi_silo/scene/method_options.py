@@ -1,0 +1,55 @@
+"""Which variant of the material point method: what a user may choose in every scene."""
+
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from taichi_silo.mpm.filters import FILTERS
+from taichi_silo.mpm.shapes import SHAPES
+from taichi_silo.mpm.solver import STRESS_UPDATES
+from taichi_silo.mpm.velocity_transfer import TRANSFERS, Blend
+from taichi_silo.utils.schema import Table
+
+Shape = Literal[tuple(SHAPES)]
+
+
+class Variant(Table):
+    """Transfer, order of the step, filter and time step; the defaults are what the stability map recommends."""
+
+    transfer: Literal[tuple(TRANSFERS)] = Field("flip", description="of velocity from grid to points")
+    pic_share: float = Field(0.05, ge=0, le=1, description="of transfer blend, in each step")
+    stress_update: Literal[STRESS_UPDATES] = Field("last", description="when in the step")
+    stress_filter: Literal[tuple(FILTERS)] = Field("none", description="of the stresses, after each step")
+    time_step_s: float | None = Field(None, ge=1e-9, le=1, description="from the law's stiffness if absent")
+    cfl: float | None = Field(
+        None, ge=1e-4, le=2, description="time step over h / (c + |v|); the shape's own if absent"
+    )
+    mass_scaling: float = Field(1.0, ge=1, le=1e6, description="factor of inertia, not of weight")
+
+    @model_validator(mode="after")
+    def _goes_together(self):
+        if TRANSFERS[self.transfer].ECHO and self.stress_update != "last":
+            raise ValueError(
+                f"stress update is {self.stress_update}; with the transfer {self.transfer} it must be last"
+            )
+        if self.time_step_s is not None and self.cfl is not None:
+            raise ValueError(f"cfl is {self.cfl}; it cannot be given together with a time step ({self.time_step_s} s)")
+        return self
+
+    def transfer_of_points(self):
+        """Of `taichi_silo.mpm.velocity_transfer`."""
+        return Blend(self.pic_share) if self.transfer == "blend" else TRANSFERS[self.transfer]()
+
+    def solver_options(self) -> dict:
+        """What the solver is told."""
+        return {
+            "transfer": self.transfer_of_points(),
+            "stress_update": self.stress_update,
+            "filtering": FILTERS[self.stress_filter],
+        }
+
+    def time_step(self, found, safety: float) -> float:
+        """The step [s] that a survey of the points allows, or the one that was given."""
+        if self.time_step_s is not None:
+            return self.time_step_s
+        return safety * found.stable_step if self.cfl is None else self.cfl * found.transit

@@ -1,0 +1,103 @@
+"""The sand that a user gives."""
+
+from typing import Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from taichi_silo.mpm.laws import GudehusBauer, Intergranular
+from taichi_silo.utils.messages import shown
+from taichi_silo.utils.schema import Table
+
+
+class IntergranularStrain(Table):
+    """Constants of Niemunis and Herle (1997); the defaults are theirs for Hochstetten sand."""
+
+    radius: float = Field(1e-4, ge=1e-7, le=0.01, description="R, largest intergranular strain")
+    m_R: float = Field(5.0, ge=1, le=100, description="factor of stiffness when the strain turns back")
+    m_T: float = Field(2.0, ge=1, le=100, description="the same when it turns by a right angle; at most m_R")
+    beta_r: float = Field(0.5, ge=0.01, le=100, description="exponent of how fast the memory follows")
+    chi: float = Field(6.0, ge=0.01, le=100, description="exponent of how fast the stiffness falls")
+
+    @model_validator(mode="after")
+    def _ordered(self):
+        if self.m_T > self.m_R:
+            raise ValueError(f"m_T is {self.m_T}; it must be at most m_R = {self.m_R}")
+        return self
+
+
+class Sand(Table):
+    """Gudehus-Bauer constants; the defaults are the paper's Karlsruhe sand."""
+
+    name: str = Field(
+        "karlsruhe", max_length=100, description="in a file that of a published sand stands for all constants not given"
+    )
+    void_ratio: float = Field(0.60, description="initial e, between e_d0 and e_i0")
+    law: Literal["auto", "gudehus-bauer", "intergranular"] = Field(
+        "auto", description="intergranular is the one with memory; auto takes it where strain turns back"
+    )
+    critical_friction_angle_deg: float = Field(30.0, ge=5, le=85, description="phi_c")
+    granular_hardness_Pa: float = Field(190e6, ge=1e5, le=1e12, description="h_s")
+    n: float = Field(0.5, ge=0.01, le=0.99, description="exponent of compression")
+    alpha: float = Field(0.3, ge=0.001, le=5, description="exponent of density in the peak of strength")
+    beta: float = Field(1.0, ge=0.001, le=20, description="exponent of density in stiffness")
+    e_i0: float = Field(1.30, ge=0.01, le=10, description="loosest void ratio without pressure")
+    e_c0: float = Field(0.82, ge=0.01, le=10, description="critical void ratio without pressure")
+    e_d0: float = Field(0.51, ge=0.01, le=10, description="densest void ratio without pressure")
+    grain_density_kg_per_m3: float = Field(2650.0, ge=10, le=1e5, description="of the grains themselves")
+    d50_m: float = Field(0.5e-3, ge=1e-7, le=1, description="mean grain diameter")
+    intergranular: IntergranularStrain = IntergranularStrain()
+
+    @field_validator("name")
+    @classmethod
+    def _printable(cls, value: str) -> str:
+        if not value.isprintable():
+            raise ValueError(f"sand.name is {shown(value)}; it must be letters and signs that can be printed")
+        return value
+
+    @model_validator(mode="after")
+    def _ordered(self):
+        if not self.e_d0 < self.e_c0 < self.e_i0:
+            raise ValueError(
+                f"limits of the void ratio are {self.e_d0}, {self.e_c0}, {self.e_i0}; e_d0 < e_c0 < e_i0 must hold"
+            )
+        if self.skeleton().h_i <= 0:
+            raise ValueError(
+                f"alpha is {self.alpha}; with these void ratios it gives h_i <= 0, a smaller one is needed"
+            )
+        if not self.e_d0 < self.void_ratio < self.e_i0:
+            raise ValueError(
+                f"void ratio is {self.void_ratio}; it must lie between e_d0 = {self.e_d0} and e_i0 = {self.e_i0}"
+            )
+        return self
+
+    def law_for(self, turns_back: bool) -> str:
+        """Name of the law: as given, or with memory only where strain turns back."""
+        if self.law != "auto":
+            return self.law
+        return "intergranular" if turns_back else "gudehus-bauer"
+
+    def constitutive_law(self, mass_scaling: float = 1.0, turns_back: bool = False) -> GudehusBauer | Intergranular:
+        """The constitutive law with these constants, the grains' density times a factor."""
+        skeleton = self.skeleton(mass_scaling)
+        if self.law_for(turns_back) == "gudehus-bauer":
+            return skeleton
+        return Intergranular(skeleton=skeleton, **self.intergranular.model_dump())
+
+    def check_at(self, pressure_Pa: float, name: str = "void ratio") -> None:
+        """Refuse a void ratio that this sand cannot have at an isotropic pressure."""
+        e_d, _, e_i = self.skeleton().void_ratio_limits(pressure_Pa)
+        if not e_d < self.void_ratio < e_i:
+            raise ValueError(
+                f"{name} is {self.void_ratio}; at {pressure_Pa:g} Pa it must lie between "
+                f"e_d = {e_d:.4f} and e_i = {e_i:.4f}"
+            )
+
+    def skeleton(self, mass_scaling: float = 1.0) -> GudehusBauer:
+        """The law without memory."""
+        return GudehusBauer(
+            critical_friction_angle_deg=self.critical_friction_angle_deg,
+            granular_hardness_Pa=self.granular_hardness_Pa,
+            n=self.n, alpha=self.alpha, beta=self.beta,
+            e_i0=self.e_i0, e_c0=self.e_c0, e_d0=self.e_d0,
+            grain_density=mass_scaling * self.grain_density_kg_per_m3,
+        )  # fmt: skip

@@ -1,0 +1,323 @@
+"""What a user gives: typed, checked, with units, and every default visible.
+
+A scene is written into `run.toml` and read from it again. Unknown names and impossible values are refused before any
+work, in a sentence that names the value and its valid range.
+"""
+
+import math
+import os
+from typing import Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from taichi_silo.errors import BadInput
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.laws import GudehusBauer, Intergranular
+from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, MOST_PAIRS, WEIGHTS, most_pairs, self_weight
+from taichi_silo.scene.method_options import Shape, Variant
+from taichi_silo.scene.sand import Sand
+from taichi_silo.scene.silo import Silo
+from taichi_silo.scene.symmetry import half_model
+from taichi_silo.utils.messages import shown
+from taichi_silo.utils.schema import Table
+
+LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of loose sand applies
+MOST_POINTS = 20_000_000
+MOST_PER_CELL = 10_000
+MOST_CELLS = 20_000  # across or along a silo
+SNAPSHOTS, FEWEST_SNAPSHOTS = 100, 10  # over the flow, of small and of large scenes
+MOST_STATES = 10_000_000  # points times snapshots, where their number is not given: about 0.8 GB
+
+
+def cores() -> int:
+    """Processor cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Walls(Table):
+    """Side walls; the bottom plate is smooth unless told otherwise."""
+
+    kind: Literal["smooth", "very-rough"] = Field(
+        "very-rough", description="with Coulomb friction, or so rough that sand does not slip on them"
+    )
+    friction_angle_deg: float | None = Field(
+        None, ge=0, lt=90, description="of smooth walls; 19, or for sand looser than e = 0.75 12.3, if absent"
+    )
+    bottom_friction_angle_deg: float = Field(0.0, ge=0, lt=90, description="of the bottom plate or floor")
+
+    @model_validator(mode="after")
+    def _friction(self):
+        if self.kind == "very-rough" and self.friction_angle_deg is not None:
+            raise ValueError(
+                f"wall friction angle is {self.friction_angle_deg}; very rough walls have none (no slip there), "
+                "only smooth walls take one"
+            )
+        return self
+
+
+class Mesh(Table):
+    """Background grid and points."""
+
+    cell_size_m: float = Field(
+        0.005, ge=1e-5, le=100, description="divides width and height, and the edges of an outlet"
+    )
+    points_per_cell: int = Field(1, description="a square number: 1, 4, 9, ...")
+    shape: Shape = Field("ugimp", description="shape functions")
+
+    @field_validator("points_per_cell")
+    @classmethod
+    def _square(cls, value: int) -> int:
+        if not 1 <= value <= MOST_PER_CELL or math.isqrt(value) ** 2 != value:
+            raise ValueError(
+                f"points per cell is {shown(value)}; it must be a square number: 1, 4, 9, 16, ... up to {MOST_PER_CELL}"
+            )
+        return value
+
+
+class Flow(Table):
+    """Outflow: the bottom, or a gate in the outlet, sinks at a speed, or the sand falls out by its weight."""
+
+    outflow: Literal["controlled", "gravity"] = Field(
+        "controlled", description="at a given speed of the bottom or gate, or free"
+    )
+    speed_m_per_s: float = Field(0.002, ge=1e-9, le=1, description="of the bottom or gate; without meaning for gravity")
+    displacement_m: float = Field(
+        0.02, ge=1e-9, le=1000,
+        description="of the bottom or gate at the end; for gravity of a gate that lets out as much",
+    )  # fmt: skip
+    longest_s: float = Field(
+        10.0, ge=1e-6, le=1e6, description="for gravity: the end if the flow has not stopped before"
+    )
+
+    @property
+    def turns_back(self) -> bool:
+        """Whether sand is strained to and fro, as behind a free outflow, so that its law needs a memory."""
+        return self.outflow == "gravity"
+
+
+class Filling(Table):
+    """How the sand gets into the silo.
+
+    gravity-ramp: all of it is in place, and its weight grows (the paper's). layers: one after the other, each with its
+    weight. rain: row after row falls from a height.
+    """
+
+    kind: Literal["gravity-ramp", "layers", "rain"] = Field(
+        "gravity-ramp", description="all sand in place while its weight grows; one layer after the other; falling rows"
+    )
+    layers: int = Field(20, ge=1, le=1000, description="their number")
+    drop_m: float = Field(0.02, ge=0, le=1000, description="height of fall of rain")
+
+
+class Averaging(Table):
+    """Non-local mean of the norm of the strain rate in the law's non-linear part."""
+
+    characteristic_length_m: float | None = Field(
+        None, ge=0, le=1000, description="l_c; 3 d50 if absent, 0 for a local law"
+    )
+    weight: Literal["gaussian", "exponential"] = Field("gaussian", description="of neighbours")
+
+    def length_m(self, sand: Sand) -> float:
+        """l_c: as given, or three mean grain diameters."""
+        return 3.0 * sand.d50_m if self.characteristic_length_m is None else self.characteristic_length_m
+
+    def check(self, sand: Sand, spacing_m: float, points: int, width_m: float) -> None:
+        """Refuse a characteristic length beyond the body, or with more neighbours than memory holds."""
+        length = self.length_m(sand)
+        if length > width_m:
+            raise ValueError(
+                f"characteristic length is {length:g} m; it must be between 0 and the width of {width_m:g} m"
+            )
+        if length > 0.0 and most_pairs(WEIGHTS[self.weight](length), spacing_m, points) > MOST_PAIRS:
+            raise ValueError(
+                f"characteristic length is {length:g} m; with {points} points {1e3 * spacing_m:g} mm apart that makes "
+                f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one or larger cells"
+            )
+
+    def kernel(self, sand: Sand, spacing_m: float):
+        """Weight of the average, None where it would change nothing, and a sentence about it."""
+        length = self.length_m(sand)
+        if length == 0.0:
+            return None, "The law is local: the characteristic length is 0."
+        kernel = WEIGHTS[self.weight](length)
+        own = self_weight(kernel, spacing_m)
+        apart = (
+            f"with points {1e3 * spacing_m:g} mm apart and a characteristic length of {1e3 * length:g} mm a point's "
+            "own weight is"
+        )
+        if own > INACTIVE_FROM:
+            return None, (
+                f"Non-locality is inactive: {apart} {own:.4f}; points closer than {1e3 * length:g} mm would make it "
+                "work."
+            )
+        return kernel, f"Non-locality is active: {apart} {own:.3f}."
+
+
+class Method(Variant):
+    """How it is computed."""
+
+    noise_control: Literal["column", "none"] = Field(
+        "column", description="force against swings of the column, none in steady flow; see noise.py"
+    )
+    gravity_m_per_s2: float = Field(9.81, ge=0.01, le=1e4, description="g")
+    filling_time_s: float = Field(
+        0.5, ge=1e-6, le=1e5, description="of the increase of weight; at least 12 column periods"
+    )
+    longest_settling_s: float = Field(1.0, ge=0, le=1e5, description="or 20 column periods, if longer")
+
+
+class Output(Table):
+    """What is written, and how often."""
+
+    records_per_period: int = Field(10, ge=4, le=100, description="rows of forces.csv in one period of the column")
+    snapshots: int | None = Field(
+        None, ge=0, le=10_000, description="over the flow; 100 if absent, or fewer of more than 100,000 points"
+    )
+    checkpoint_s: float = Field(
+        120.0, ge=0.01, le=86_400, description="between two checkpoints, by the clock: what a crash may cost"
+    )
+
+
+class Machine(Table):
+    """Where it is computed."""
+
+    arch: Literal["cpu", "cuda"] = Field("cpu", description="processor, or graphics card of Nvidia")
+    threads: int = Field(default_factory=lambda: min(2, cores()), ge=1, description="of the processor")
+    lanes: bool = Field(True, description="eight points at once on the CPU's vector unit, where that can be trusted")
+
+    @field_validator("threads")
+    @classmethod
+    def _available(cls, value: int) -> int:
+        if value > cores():
+            raise ValueError(f"threads is {shown(value)}; this machine has 1 to {cores()}")
+        return value
+
+    def start(self) -> None:
+        """Start Taichi on it.
+
+        Raises
+        ------
+        BadInput
+            if it cannot be used.
+
+        """
+        if runtime.PRECISION != "f64":
+            raise BadInput(
+                f"TAICHI_SILO_PRECISION is {runtime.PRECISION}; runs need f64: in f32 sand that sinks at 0.1 mm/s "
+                "stands still, and void ratios drift"
+            )
+        try:
+            runtime.init(self.arch, self.threads)
+        except runtime.ArchitectureError as error:
+            raise BadInput(str(error)) from error
+
+
+class Scene(Table):
+    """A silo, filled with sand that then flows out."""
+
+    silo: Silo = Silo()
+    sand: Sand = Sand()
+    walls: Walls = Walls()
+    grid: Mesh = Mesh()
+    averaging: Averaging = Averaging()
+    filling: Filling = Filling()
+    flow: Flow = Flow()
+    method: Method = Method()
+    output: Output = Output()
+    machine: Machine = Machine()
+
+    @model_validator(mode="after")
+    def _divides(self):
+        h = self.grid.cell_size_m
+        for name, length in (("width", self.silo.width_m), ("height", self.silo.height_m)):
+            cells = length / h
+            if cells > MOST_CELLS * (1.0 + 1e-6):
+                raise ValueError(
+                    f"cell size is {h} m; it makes {cells:.4g} cells along the {name} of {length} m, at most "
+                    f"{MOST_CELLS} are allowed (lengths are in metres)"
+                )
+            if abs(cells - round(cells)) > 1e-6 or round(cells) < 2:
+                raise ValueError(
+                    f"cell size is {h} m; it must divide the {name} of {length} m into at least 2 whole cells"
+                )
+        if self.points > MOST_POINTS:
+            raise ValueError(
+                f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed (lengths are in "
+                "metres)"
+            )
+        self.averaging.check(self.sand, self.spacing_m, self.points, self.silo.width_m)
+        half_model(self)
+        self._check_outflow()
+        return self
+
+    def _check_outflow(self) -> None:
+        silo, flow, h = self.silo, self.flow, self.grid.cell_size_m
+        left, right = silo.outlet_m
+        if right - left < 2.0 * h * (1.0 - 1e-9):
+            raise ValueError(f"outlet width is {right - left:g} m; on cells of {h} m it must be at least {2 * h:g} m")
+        for edge in (left, right) if silo.outlet is not None else ():
+            if abs(edge / h - round(edge / h)) > 1e-6:
+                raise ValueError(
+                    f"outlet width is {silo.outlet.width_m} m; its edge at x = {edge:g} m must lie on the grid, whose "
+                    f"lines are {h} m apart"
+                )
+        if silo.section == "round" and round(silo.width_m / h) % 2:
+            raise ValueError(f"cell size is {h} m; it must divide the radius of {0.5 * silo.width_m} m of a round silo")
+        if flow.outflow == "gravity" and silo.sinks:
+            raise ValueError("outflow is gravity; the silo needs an outlet or a hopper that sand can fall out of")
+        most = silo.area_m2 / silo.outlet_share_m
+        if silo.sinks and flow.displacement_m > silo.height_m:
+            raise ValueError(
+                f"displacement is {flow.displacement_m} m; it must be at most the height of {silo.height_m} m"
+            )
+        if flow.outflow == "controlled" and flow.displacement_m > most * (1.0 + 1e-9):
+            raise ValueError(
+                f"displacement is {flow.displacement_m} m; it must be at most {most:.4g} m, when the silo is empty"
+            )
+        if self.filling.kind == "rain" and self.filling.drop_m > silo.height_m:
+            raise ValueError(
+                f"drop is {self.filling.drop_m} m; it must be between 0 and the silo's height of {silo.height_m} m"
+            )
+
+    @property
+    def law(self) -> GudehusBauer | Intergranular:
+        """The constitutive law of the sand in this scene."""
+        return self.sand.constitutive_law(self.method.mass_scaling, self.flow.turns_back)
+
+    @property
+    def spacing_m(self) -> float:
+        """Of the points."""
+        return self.grid.cell_size_m / math.isqrt(self.grid.points_per_cell)
+
+    @property
+    def points(self) -> int:
+        """Number of material points; of a round silo those of its section from wall to wall."""
+        d, silo = self.spacing_m, self.silo
+        columns, rows = round(silo.width_m / d), round(silo.height_m / d)
+        if silo.sinks or columns * rows > MOST_POINTS:
+            return columns * rows
+        return silo.points(d)
+
+    @property
+    def snapshots(self) -> int:
+        """How many are written evenly over the flow: as given, or as many as the points leave room for."""
+        if self.output.snapshots is not None:
+            return self.output.snapshots
+        return max(FEWEST_SNAPSHOTS, min(SNAPSHOTS, MOST_STATES // self.points))
+
+    @property
+    def wall_friction_angle_deg(self) -> float:
+        """Of smooth walls: as given, or as measured in the model silo (19 deg dense, 12.3 deg loose)."""
+        if self.walls.friction_angle_deg is not None:
+            return self.walls.friction_angle_deg
+        return 12.3 if self.sand.void_ratio >= LOOSE_FROM else 19.0
+
+    @property
+    def density_kg_per_m3(self) -> float:
+        """Bulk density of the fill."""
+        return self.sand.grain_density_kg_per_m3 / (1.0 + self.sand.void_ratio)
+
+    @property
+    def weight_N_per_m(self) -> float:
+        """Weight of the fill."""
+        return self.density_kg_per_m3 * self.method.gravity_m_per_s2 * self.silo.area_m2

@@ -1,0 +1,143 @@
+"""Scenes from TOML files: one's own, or the run.toml of a run."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from taichi_silo.errors import BadInput
+from taichi_silo.scene import sands
+from taichi_silo.scene.dotted_paths import is_number
+from taichi_silo.scene.sand import Sand
+from taichi_silo.scene.scene import Scene
+from taichi_silo.utils import bounded_reading
+from taichi_silo.utils.messages import near, shown
+from taichi_silo.utils.schema import one_sentence
+
+LONGEST_CHANGE = 10_000  # letters of a PATH=VALUE
+PROGRAM = "program"  # the table of run.toml that says what computed it
+
+
+def read_scene(file: Path, changes: Iterable[str] = (), threads: int | None = None) -> Scene:
+    """The scene of a file.
+
+    Parameters
+    ----------
+    file : TOML; what it leaves out takes the defaults. In its table `sand` the name of a published sand stands for all
+        of its constants that are not given. A table `program`, as a run leaves it, is passed over.
+    changes : `PATH=VALUE` each, over what the file says.
+    threads : on which to compute, if not as in the file.
+
+    Raises
+    ------
+    BadInput
+        if the file cannot be read or its values are not possible.
+
+    """
+    tables = read_tables(file)
+    tables.pop(PROGRAM, None)
+    for change in changes:
+        _apply(tables, change)
+    if threads is not None:
+        tables["machine"] = _with_threads(tables.get("machine", {}), threads)
+    try:
+        return scene_of(tables)
+    except ValidationError as error:
+        raise BadInput(f"{file}: {one_sentence(error)}") from error
+    except BadInput as error:
+        raise BadInput(f"{file}: {error}") from error
+
+
+def read_tables(file: Path) -> dict:
+    """The tables of a TOML file.
+
+    Raises
+    ------
+    BadInput
+        if there is none, or what is there is no TOML.
+
+    """
+    return bounded_reading.toml(file, "a scene")
+
+
+def _with_threads(machine, threads: int):
+    """The table of a machine with so many threads; what is no table stays, and is refused by its type."""
+    return machine | {"threads": threads} if isinstance(machine, dict) else machine
+
+
+def scene_of(tables: dict) -> Scene:
+    """The scene of tables, with the constants of a published sand that is named in them.
+
+    Raises
+    ------
+    BadInput
+        if a sand is named that is not published, and its constants are not all given.
+    ValidationError
+        if the values are not possible.
+
+    """
+    sand = tables.get("sand")
+    if isinstance(sand, dict) and "name" in sand:
+        tables = tables | {"sand": _with_constants(sand)}
+    return Scene.model_validate(tables)
+
+
+def _with_constants(sand: dict) -> dict:
+    known, name = sands.published(), sand["name"]
+    if not isinstance(name, str):
+        return sand  # said by the type
+    if name in known:
+        return {key: value for key, value in known[name].items() if key not in sands.NOTES} | sand
+    needed = [key for key in known["karlsruhe"] if key not in sands.NOTES]
+    missing = [key for key in needed if key not in sand]
+    if not missing:
+        return sand
+    meant = near(name.lower(), known)
+    if meant:
+        raise BadInput(f"sand.name is {shown(name)}; did you mean {meant}?")
+    unknown = [key for key in sand if key not in Sand.model_fields]
+    if unknown:  # said by the type, and better
+        return sand
+    raise BadInput(
+        f"sand.name is {shown(name)}; it must be one of {', '.join(known)}, or come with all its constants: "
+        f"{missing[0]} is missing"
+    )
+
+
+def _apply(tables: dict, change: str) -> None:
+    path, equals, text = change.partition("=")
+    names = [name.strip() for name in path.split(".")]
+    if len(change) > LONGEST_CHANGE:
+        raise BadInput(f"set is {shown(change)}; it has {len(change)} letters, at most {LONGEST_CHANGE} are allowed")
+    change = shown(change)
+    if not equals or not all(names):
+        raise BadInput(f"set is {change}; it must be PATH=VALUE, such as flow.speed_m_per_s=0.005")
+    table = tables
+    for name in names[:-1]:
+        table = _step(table, name, change)
+    if not isinstance(table, dict):
+        raise BadInput(f"set is {change}; it must name a value of a table")
+    table[names[-1]] = _value(text.strip())
+
+
+def _step(table, name: str, change: str):
+    """The table, or the entry of a list of tables, of this name; a table is made where there is none."""
+    if isinstance(table, list):
+        if not is_number(name) or int(name) >= len(table):
+            raise BadInput(f"set is {change}; {shown(name)} must be a number from 0 to {len(table) - 1}")
+        return table[int(name)]
+    if not isinstance(table, dict):
+        raise BadInput(f"set is {change}; there is a value where {shown(name)} would need a table")
+    found = table.setdefault(name, {})
+    if not isinstance(found, (dict, list)):
+        raise BadInput(f"set is {change}; {shown(name)} is a value, not a table")
+    return found
+
+
+def _value(text: str):
+    """A value as TOML writes it; a word without quotes is a text."""
+    try:
+        found = bounded_reading.parsed(f"value = {text}")
+    except ValueError:
+        return text
+    return found["value"] if len(found) == 1 else text

@@ -1,0 +1,326 @@
+"""The silo that a user gives: walls, outlet, hopper, inserts, and which of its places hold sand.
+
+Coordinates are those of the laboratory: x from the left wall, y from the floor (of a hopper: from its outlet), upwards.
+A round silo is described by its section through the axis, which stands at half the width.
+"""
+
+import math
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+import shapely
+from pydantic import Field, model_validator
+
+from taichi_silo.scene import polygons as polygons
+from taichi_silo.scene.inserts import Insert
+from taichi_silo.utils.schema import Table
+
+MOST_INSERTS = 50
+POINTS_AT_ONCE = 500_000  # of a lattice
+__all__ = ["Hopper", "Insert", "Outlet", "Silo"]
+
+
+class Outlet(Table):
+    """An opening of the flat floor; without it the whole floor is the outlet."""
+
+    width_m: float = Field(ge=1e-4, le=1000, description="of the opening")
+    position: Literal["centre", "left", "right"] | float = Field(
+        "centre", description="in the floor: centre | left | right, or x of its middle [m]"
+    )
+
+
+class Hopper(Table):
+    """Walls that converge towards an outlet, which is as wide as their lower ends are apart."""
+
+    half_angle_deg: float = Field(ge=0.1, lt=80, description="of the walls, from the vertical")
+    outlet_width_m: float = Field(ge=1e-4, le=1000, description="of the opening between their lower ends")
+    friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="that of the side walls if absent")
+
+
+class Silo(Table):
+    """Two parallel walls, or a round one, with what closes it below; forces are per metre run (of the wall's girth)."""
+
+    width_m: float = Field(0.2, ge=0.001, le=1000, description="or diameter")
+    height_m: float = Field(0.5, ge=0.001, le=1000, description="height of the fill above the floor, a hopper included")
+    section: Literal["plane", "round"] = Field(
+        "plane", description="between parallel walls, or a cylinder about the middle; a hopper is a wedge, or a cone"
+    )
+    half: Literal["auto", "yes", "no"] = Field("auto", description="compute one half and mirror it")
+    outlet: Outlet | None = None
+    hopper: Hopper | None = None
+    outline_m: polygons.Corners | None = Field(
+        None,
+        max_length=polygons.MOST_CORNERS,
+        description="corners (x, y) of the space for sand, instead of a hopper: a polygon with a level floor at y = 0, "
+        "the outlet unless there is one in it, a level top, and sides that lead up; width and height are its own if "
+        "absent",
+    )
+    inserts: tuple[Insert, ...] = Field((), max_length=MOST_INSERTS)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _sized(cls, given):
+        """Width and height of an outline, where they are not given."""
+        if isinstance(given, dict) and given.get("outline_m"):
+            try:
+                x, y = np.array([tuple(map(float, corner)) for corner in given["outline_m"]]).T
+            except (TypeError, ValueError, OverflowError):
+                return given  # what is wrong with it is said by the type
+            if x.max() > 0.0 and y.max() > 0.0:
+                return {"width_m": float(x.max()), "height_m": float(y.max())} | given
+        return given
+
+    @classmethod
+    def polygon(cls, outline_m, **more) -> "Silo":
+        """Of any shape: corners (x, y) [m] of the space for sand, and what else a silo has (outlet, inserts, ...)."""
+        return cls(outline_m=tuple((float(x), float(y)) for x, y in outline_m), **more)
+
+    @model_validator(mode="after")
+    def _fits(self):
+        wide = self.width_m
+        if self.outline_m is not None:
+            self._check_outline()
+        if self.outlet is not None and self.hopper is not None:
+            raise ValueError("a silo has an outlet in its floor or a hopper, not both: a hopper ends in its own outlet")
+        if self.outlet is not None:
+            self._check_outlet()
+        if self.hopper is not None:
+            if not self.hopper.outlet_width_m < wide:
+                raise ValueError(
+                    f"outlet width of the hopper is {self.hopper.outlet_width_m} m; it must be below the silo's width "
+                    f"of {wide} m"
+                )
+            if not self.transition_m < self.height_m:
+                raise ValueError(
+                    f"half angle of the hopper is {self.hopper.half_angle_deg} deg; it makes the hopper "
+                    f"{self.transition_m:.4g} m high, which must be below the fill's height of {self.height_m} m"
+                )
+        for insert in self.inserts:
+            self._check(insert)
+        shapes = [shapely.Polygon(insert.outline(wide)) for insert in self.inserts]
+        for number, one in enumerate(shapes):
+            if any(one.intersects(other) for other in shapes[:number]):
+                raise ValueError(f"insert {number + 1} overlaps another one; inserts must stand apart")
+        if self.section == "round":
+            self._check_round()
+        return self
+
+    def _check_outline(self) -> None:
+        if self.hopper is not None:
+            raise ValueError("a silo has an outline or a hopper, not both: an outline has the hopper's walls in it")
+        left, right = polygons.sides(self.outline_m)
+        wide, high = max(left[:, 0].max(), right[:, 0].max()), left[-1, 1]
+        if abs(wide - self.width_m) > polygons.SAME:
+            raise ValueError(f"width is {self.width_m} m; that of the outline is {wide:g} m")
+        if self.height_m > high + polygons.SAME:
+            raise ValueError(f"height is {self.height_m} m; the outline ends at {high:g} m, and the fill not above it")
+        mirrored = np.column_stack([self.width_m - left[:, 0], left[:, 1]])
+        if self.section == "round" and not (len(left) == len(right) and np.allclose(mirrored, right, atol=1e-9)):
+            raise ValueError("the outline of a round silo must be symmetric about its axis")
+
+    def _check_outlet(self) -> None:
+        first, last = self.floor_m
+        b, (left, right) = self.outlet.width_m, self.outlet_m
+        if not b < last - first:
+            width = "the silo's width" if self.outline_m is None else "the floor's width"
+            raise ValueError(f"outlet width is {b} m; it must be below {width} of {last - first:g} m")
+        if left < first - polygons.SAME or right > last + polygons.SAME:
+            raise ValueError(
+                f"outlet position is {self.outlet.position} m; in a floor from {first:g} to {last:g} m the middle of "
+                f"{b} m must be between {first + 0.5 * b:g} and {last - 0.5 * b:g} m"
+            )
+
+    def _check(self, insert: Insert) -> None:
+        outline = insert.outline(self.width_m)
+        low = outline[:, 1].min()
+        if low <= 0.0:
+            raise ValueError(f"the {insert.kind} reaches down to {low:g} m; it must stand above the floor at 0")
+        if outline[:, 1].max() >= self.height_m:
+            raise ValueError(
+                f"the {insert.kind} reaches up to {outline[:, 1].max():.4g} m; it must be below the surface of the "
+                f"fill at {self.height_m} m"
+            )
+        if not self._body.contains_properly(shapely.Polygon(outline)):
+            raise ValueError(
+                f"the {insert.kind} between x = {outline[:, 0].min():.4g} and {outline[:, 0].max():.4g} m must stand "
+                f"free of the walls of a silo {self.width_m} m wide"
+            )
+
+    def _check_round(self) -> None:
+        if self.outlet is not None and self.outlet.position != "centre":
+            raise ValueError(
+                f"outlet position is {self.outlet.position}; in a round silo, computed by its section, it must be "
+                "centre"
+            )
+        for insert in self.inserts:
+            if abs(insert.centre_m(self.width_m) - 0.5 * self.width_m) > 1e-9:
+                raise ValueError(
+                    f"position of the {insert.kind} is {insert.position_m} m; in a round silo it must be the axis at "
+                    f"{0.5 * self.width_m} m"
+                )
+
+    # --- what follows from it -------------------------------------------------------------------------------------
+
+    @property
+    def sinks(self) -> bool:
+        """Whether the whole floor is the outlet, and the grid sinks with it."""
+        return self.outlet is None and self.hopper is None and self.outline_m is None and not self.inserts
+
+    @property
+    def sides(self) -> tuple[np.ndarray, np.ndarray]:
+        """Left and right side, each (n, 2) from the floor up to the fill's surface or beyond [m]."""
+        return _sides(self)
+
+    @property
+    def feet_m(self) -> tuple[float, float]:
+        """Heights from which on the sides stand at x = 0 and at the width: 0 without hopper or outline."""
+        left, right = self.sides
+        return polygons.foot(left, 0.0), polygons.foot(right, self.width_m)
+
+    @property
+    def floor_m(self) -> tuple[float, float]:
+        """Left and right end of the floor, or of the opening between the lower ends of inclined walls."""
+        left, right = self.sides
+        return float(left[0, 0]), float(right[0, 0])
+
+    @property
+    def _body(self):
+        """Inside of the silo as a polygon."""
+        left, right = self.sides
+        return shapely.Polygon(np.concatenate([right, left[::-1]]))
+
+    @property
+    def outlet_m(self) -> tuple[float, float]:
+        """Left and right edge of the opening of the floor."""
+        first, last = self.floor_m
+        if self.outlet is None:
+            return first, last
+        b, position = self.outlet.width_m, self.outlet.position
+        if isinstance(position, float):
+            return position - 0.5 * b, position + 0.5 * b
+        left = {"centre": 0.5 * (first + last - b), "left": first, "right": last - b}[position]
+        return left, left + b
+
+    @property
+    def outlet_share_m(self) -> float:
+        """Area of the outlet as `area_m2` counts: its width, in a round silo d^2 / (4 R)."""
+        left, right = self.outlet_m
+        width = right - left
+        return width**2 / (2.0 * self.width_m) if self.section == "round" else width
+
+    @property
+    def transition_m(self) -> float:
+        """Height at which a hopper, or the last inclined wall of an outline, meets the vertical walls; 0 without."""
+        if self.hopper is None:
+            return 0.0 if self.outline_m is None else max(self.feet_m)
+        tangent = math.tan(math.radians(self.hopper.half_angle_deg))
+        return 0.5 * (self.width_m - self.hopper.outlet_width_m) / tangent
+
+    def between(self, y):
+        """X of the left and of the right wall at heights (array)."""
+        left, right = self.sides
+        return polygons.place(left, y), polygons.place(right, y)
+
+    def holds(self, x, y):
+        """Whether places (arrays) hold sand when the silo is full."""
+        left, right = self.between(y)
+        inside = (x > left) & (x < right) & (y > 0.0) & (y < self.height_m)
+        for insert in self.inserts:
+            inside = inside & ~insert.contains(x, y, self.width_m)
+        return inside
+
+    def lattice(self, spacing_m: float):
+        """x, y and area of the points that fill it, row after row from the floor.
+
+        Rows fit between the walls: in a hopper points stand a little closer or farther apart than elsewhere.
+        """
+        count = round(self.height_m / spacing_m)
+        at_once = max(1, int(POINTS_AT_ONCE * spacing_m / self.width_m))
+        parts = [self._rows(np.arange(first, min(first + at_once, count)), spacing_m)
+                 for first in range(0, count, at_once)]  # fmt: skip
+        return tuple(np.concatenate(values) for values in zip(*parts, strict=True))
+
+    def _rows(self, numbers: np.ndarray, spacing_m: float):
+        """The points of rows of these numbers."""
+        y = (numbers + 0.5) * spacing_m
+        left, right = self.between(y)
+        pairs = 2 if self.section == "round" else 1  # the axis stands between two points
+        counts = np.maximum(1, np.round((right - left) / (pairs * spacing_m)).astype(int)) * pairs
+        wide, area = (np.repeat(values, counts) for values in (right - left, spacing_m * (right - left) / counts))
+        number = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        x, y = np.repeat(left, counts) + (number + 0.5) * wide / np.repeat(counts, counts), np.repeat(y, counts)
+        held = self.holds(x, y)
+        return x[held], y[held], area[held]
+
+    def points(self, spacing_m: float) -> int:
+        """How many those are."""
+        return _count(self, spacing_m)
+
+    @property
+    def box_m2(self) -> float:
+        """Width times height, or of a round silo what `area_m2` is of a cylinder."""
+        return self.width_m * self.height_m * (0.5 if self.section == "round" else 1.0)
+
+    @property
+    def area_m2(self) -> float:
+        """Of the section of the fill; of a round silo twice its content per radian over the radius."""
+        if self.section == "round":
+            return _round_area(self)
+        below = shapely.box(0.0, 0.0, self.width_m, self.height_m)
+        return float(self._body.intersection(below).area) - sum(insert.area_m2() for insert in self.inserts)
+
+    def solids(self) -> list[np.ndarray]:
+        """Outlines (n, 2) of hopper walls and inserts, for pictures [m]."""
+        found = [insert.outline(self.width_m) for insert in self.inserts]
+        for side, wall in zip(self.sides, (0.0, self.width_m), strict=True):
+            foot = polygons.foot(side, wall)
+            chain = side[side[:, 1] <= foot + polygons.SAME]
+            if foot > 0.0:
+                found.append(np.concatenate([[[wall, 0.0]], chain, [[wall, foot]]]))
+        return found
+
+    def words(self) -> str:
+        """What is special about it, for titles; empty for a silo whose whole floor sinks."""
+        found = []
+        if self.section == "round":
+            found.append("round silo")
+        if self.outlet is not None:
+            where = {"centre": "in the middle", "left": "at the left wall", "right": "at the right wall"}
+            place = self.outlet.position
+            found.append(
+                f"outlet of {1e3 * self.outlet.width_m:g} mm "
+                + (f"at x = {1e3 * place:g} mm" if isinstance(place, float) else where[place])
+            )
+        if self.hopper is not None:
+            found.append(f"hopper of {self.hopper.half_angle_deg:g}° with {1e3 * self.hopper.outlet_width_m:g} mm")
+        if self.outline_m is not None:
+            found.append(f"silo of {len(self.outline_m)} corners")
+        found += [insert.words() for insert in self.inserts]
+        return ", ".join(found)
+
+
+@lru_cache(maxsize=64)
+def _sides(silo: Silo) -> tuple[np.ndarray, np.ndarray]:
+    if silo.outline_m is not None:
+        return polygons.sides(silo.outline_m)
+    wide, high, foot = silo.width_m, silo.height_m, silo.transition_m
+    if silo.hopper is None:
+        return np.array([[0.0, 0.0], [0.0, high]]), np.array([[wide, 0.0], [wide, high]])
+    left = 0.5 * (wide - silo.hopper.outlet_width_m)
+    return np.array([[left, 0.0], [0.0, foot], [0.0, high]]), np.array([[wide - left, 0.0], [wide, foot], [wide, high]])
+
+
+@lru_cache(maxsize=64)
+def _count(silo: Silo, spacing_m: float) -> int:
+    return len(silo.lattice(spacing_m)[0])
+
+
+@lru_cache(maxsize=64)
+def _round_area(silo: Silo, cells: int = 1000) -> float:
+    """`Silo.area_m2` of a round silo, by a fine sum."""
+    radius = 0.5 * silo.width_m
+    x = (np.arange(cells) + 0.5) / cells * radius
+    y = (np.arange(2 * cells) + 0.5) / (2 * cells) * silo.height_m
+    x, y = np.meshgrid(x, y)
+    return float(2.0 / radius * (x * silo.holds(radius + x, y)).mean() * radius * silo.height_m)

@@ -1,0 +1,1 @@
+"""What a run looks like: film, figures, report, export, gallery."""

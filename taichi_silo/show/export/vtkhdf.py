@@ -1,0 +1,155 @@
+"""All states of a run in one VTKHDF file, a series over time that ParaView opens at once.
+
+The file is an unstructured grid of vertices, VTKHDF 2.0: the states stand one after the other in each array, and the
+group `Steps` says where each begins. Arrays are those of the snapshots, compressed.
+"""
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from taichi_silo.runs.history import History
+from taichi_silo.show.export.states import states
+from taichi_silo.utils import atomic_write, vtu
+
+VERSION = (2, 0)
+CHUNK_BYTES = 1 << 18
+PACKED = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
+
+
+def write(history: History, target: Path, seen: Callable[[], None] = lambda: None) -> int:
+    """Write it; it is there when it is complete, or not at all.
+
+    Parameters
+    ----------
+    history : of the run.
+    target : the file.
+    seen : hears of each state that is written.
+
+    Returns
+    -------
+    Number of states.
+
+    """
+    with atomic_write.written(target) as passing, open(passing, "w+b", buffering=0) as stream:
+        sink = Sink(stream)
+        with h5py.File(sink, "w") as file:
+            root = file.create_group("VTKHDF")
+            root.attrs["Version"] = VERSION
+            root.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", 16))
+            counts, times, series = [], [], Series(root)
+            for row, position, arrays in states(history):
+                series.append(position, arrays)
+                sink.check()
+                counts.append(len(position))
+                times.append(row["time_s"])
+                seen()
+            _steps(root, np.array(counts), np.array(times), list(arrays))
+        sink.check()
+    return len(times)
+
+
+class Sink(io.RawIOBase):
+    """A file that keeps its troubles from HDF5, which would leave objects behind that end the process later.
+
+    Parameters
+    ----------
+    stream : of the file, unbuffered.
+
+    """
+
+    def __init__(self, stream):
+        self.stream, self.trouble, self.place = stream, None, 0
+
+    def write(self, data) -> int:
+        """All of it, or nothing if the file has no room, or had none before."""
+        rest, size = memoryview(data).cast("B"), memoryview(data).nbytes
+        try:
+            self.stream.seek(self.place)
+            while rest and self.trouble is None:
+                rest = rest[self.stream.write(rest) :]
+        except OSError as error:
+            self.trouble = error
+        self.place += size
+        return size
+
+    def readinto(self, buffer) -> int:
+        """What is there; zeros beyond."""
+        view = memoryview(buffer).cast("B")
+        self.stream.seek(self.place)
+        got = self.stream.readinto(view)
+        view[got:] = bytes(len(view) - got)
+        self.place += len(view)
+        return len(view)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Nothing is cut off a file that had no room."""
+        try:
+            return self.stream.truncate(self.place if size is None else size)
+        except OSError as error:
+            self.trouble = self.trouble or error
+            return size
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        """Go to a byte."""
+        self.place = self.stream.seek(0, whence) + offset if whence == io.SEEK_END else offset
+        return self.place
+
+    def tell(self) -> int:
+        """The present byte."""
+        return self.place
+
+    def check(self) -> None:
+        """Raise the OSError that has befallen the file, if one has."""
+        if self.trouble is not None:
+            raise self.trouble
+
+
+class Series:
+    """Arrays of a group that grow; they stay open, so that a chunk is packed once."""
+
+    def __init__(self, root: h5py.Group):
+        self.root, self.data = root, {}
+
+    def append(self, position: np.ndarray, arrays: dict[str, np.ndarray]) -> None:
+        """One state, at the end of all arrays."""
+        count = len(position)
+        number = np.arange(count + 1, dtype=np.int64)
+        self._extend("Points", vtu.spatial(position))
+        types = np.full(count, vtu.VERTEX, np.uint8)
+        for name, values in (("Connectivity", number[:-1]), ("Offsets", number), ("Types", types)):
+            self._extend(name, values)
+        for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):
+            self._extend(name, np.array([count], np.int64))
+        for name, values in arrays.items():
+            self._extend(f"PointData/{name}", values)
+
+    def _extend(self, name: str, values: np.ndarray) -> None:
+        if name not in self.data:
+            shape = values.shape[1:]
+            rows = CHUNK_BYTES // (values.dtype.itemsize * int(np.prod(shape)))
+            self.data[name] = self.root.create_dataset(
+                name, (0, *shape), values.dtype, maxshape=(None, *shape), chunks=(rows, *shape), **PACKED
+            )
+        data = self.data[name]
+        old = len(data)
+        data.resize(old + len(values), axis=0)
+        data[old:] = values
+
+
+def _steps(root: h5py.Group, counts: np.ndarray, times: np.ndarray, names: list[str]) -> None:
+    """Where each state begins."""
+    before = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
+    steps = root.create_group("Steps")
+    steps.attrs["NSteps"] = len(times)
+    steps["Values"] = times
+    steps["PartOffsets"] = np.arange(len(times), dtype=np.int64)
+    steps["NumberOfParts"] = np.ones(len(times), np.int64)
+    steps["PointOffsets"] = before
+    steps["CellOffsets"] = before[:, None]
+    steps["ConnectivityIdOffsets"] = before[:, None]
+    for name in names:
+        steps[f"PointDataOffsets/{name}"] = before

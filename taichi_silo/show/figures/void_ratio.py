@@ -1,0 +1,172 @@
+"""Void ratio in the silo at chosen bottom displacements, as filled squares (Fig. 12 of the paper)."""
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize
+from matplotlib.patches import Polygon
+
+from taichi_silo.show.figures.run_files import by_void_ratio
+from taichi_silo.show.figures.style import new_figure, put_title
+
+DISPLACEMENTS_MM = (0.0, 2.0, 5.0, 10.0, 20.0)
+BEYOND = 1.05  # times the last of them: a run that goes on is shown at its end as well
+OVERLAP = 1.15  # squares are drawn larger by this factor, so that stretched sand shows no gaps
+COLORS = "viridis"
+CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+
+
+def chosen_snapshots(run) -> list:
+    """Return for each displacement of `DISPLACEMENTS_MM` the nearest snapshot (a row of the index) or None.
+
+    A run that ended early shows its last state in place of the first displacement that it did not reach.
+    """
+    present = [(run.folder / "snapshots" / str(file)).exists() for file in run.snapshots["file"]]
+    index = run.snapshots[present]
+    if index.empty:
+        return [None] * len(DISPLACEMENTS_MM)
+    index = index.sort_values("time_s", kind="stable")
+    if run.free:  # by what has left
+        flow = index[index["stage"] == "flow"]
+        some = [*index[index["stage"] != "flow"].tail(1).iterrows(), *flow.head(len(DISPLACEMENTS_MM) - 1).iterrows()]
+        rows = [row for _, row in some]
+        return rows + [None] * (len(DISPLACEMENTS_MM) - len(rows))
+    at_rest = index[index["displacement_m"] == index["displacement_m"].min()]
+    chosen, flow = [at_rest.iloc[-1]], index[index["stage"] == "flow"]
+    ended = flow.empty
+    for target in DISPLACEMENTS_MM[1:]:
+        distance = (1e3 * flow["displacement_m"] - target).abs()
+        if ended:
+            chosen.append(None)
+            continue
+        ended = 1e3 * flow["displacement_m"].iloc[-1] < 0.95 * target
+        row = flow.iloc[-1] if ended else flow.loc[distance.idxmin()]
+        known = [one["file"] for one in chosen if one is not None]
+        chosen.append(None if row["file"] in known else row)
+    return chosen
+
+
+def _with_end(run, rows: list) -> list:
+    """Return chosen rows of the index, and the last state of a run that has gone far beyond them."""
+    flow = run.snapshots[run.snapshots["stage"] == "flow"]
+    there = [row for _, row in flow.iterrows() if (run.folder / "snapshots" / str(row["file"])).exists()]
+    if rows and there and there[-1]["displacement_m"] > BEYOND * rows[-1]["displacement_m"]:
+        return [*rows, there[-1]]
+    return rows
+
+
+def run_void_ratio_figure(run):
+    """Return the figure of one run, or None without snapshots."""
+    rows = _with_end(run, [row for row in chosen_snapshots(run) if row is not None])
+    if not rows:
+        return None
+    fields = [run.read_snapshot(row["file"]) for row in rows]
+    norm, limits = _color_range(fields), _limits(fields)
+    height = 4.8
+    few = len(rows) < 3
+    width = 1.3 + len(rows) * (0.42 + max(height * _aspect(limits), 1.2))
+    figure = new_figure(max(width, 4.6), height + (1.9 if few else 1.35))
+    panels = figure.subplots(1, len(rows), squeeze=False, sharey=True)[0]
+    for panel, row, field in zip(panels, rows, fields, strict=True):
+        _draw_field(panel, field, norm, limits, run.silo.solids())
+        panel.set(xlabel="x (mm)", title=_moment(row, run.flow.empty))
+    panels[0].set_ylabel("height (mm)")
+    _color_bar(figure, panels, norm)
+    put_title(figure, *(f"Void ratio: {run.title}".split(", ") if few else [f"Void ratio: {run.title}"]))
+    return figure
+
+
+def case_void_ratio_figure(runs):
+    """Return the figure of several runs, a row each; equal initial void ratios share a colour range."""
+    cases = {id(run): chosen_snapshots(run) for run in runs}
+    groups = by_void_ratio([run for run in runs if any(row is not None for row in cases[id(run)])])
+    if not groups:
+        return None
+    fields = {
+        id(run): [None if row is None else run.read_snapshot(row["file"]) for row in cases[id(run)]]
+        for group in groups
+        for run in group
+    }
+    limits = _limits([field for row in fields.values() for field in row if field is not None])
+    columns, rows = len(DISPLACEMENTS_MM), sum(map(len, groups))
+    height = 3.6
+    width = 2.2 + columns * (0.3 + max(height * _aspect(limits), 1.2))
+    figure = new_figure(width, (height + 0.5) * rows + 0.6 * len(groups) + 0.3)
+    parts = figure.subfigures(len(groups), 1, height_ratios=[len(group) for group in groups], squeeze=False)
+    for part, group in zip(parts[:, 0], groups, strict=True):
+        norm = _color_range([field for run in group for field in fields[id(run)] if field is not None])
+        panels = part.subplots(len(group), columns, squeeze=False, sharex=True, sharey=True)
+        for run, line in zip(group, panels, strict=True):
+            for panel, row, field, target in zip(line, cases[id(run)], fields[id(run)], DISPLACEMENTS_MM, strict=True):
+                if field is None:
+                    panel.set_axis_off()
+                    missing = f"u = {target:g} mm\nnot reached"
+                    panel.text(0.5, 0.5, missing, ha="center", transform=panel.transAxes)
+                    continue
+                _draw_field(panel, field, norm, limits, run.silo.solids())
+                panel.set_title(_moment(row, run.flow.empty))
+            line[0].set_ylabel(f"{run.label}\nheight (mm)")
+        for panel in panels[-1]:
+            panel.set_xlabel("x (mm)")
+        _color_bar(part, panels.ravel().tolist(), norm)
+    figure.suptitle("Void ratio at bottom displacement u")
+    return figure
+
+
+def _draw_field(panel, field, norm, limits, solids):
+    """Draw one square for each point, and what stands in the silo."""
+    position, void_ratio, side = field
+    squares = 1e3 * (position[:, None, :] + OVERLAP * side[:, None, None] * CORNERS)
+    squares[..., 0] = np.clip(squares[..., 0], *limits[0])  # the overlap must not reach over the walls
+    cells = PolyCollection(squares, array=void_ratio, cmap=COLORS, norm=norm, antialiased=False, linewidth=0)
+    panel.add_collection(cells)
+    for outline in solids:
+        panel.add_patch(Polygon(1e3 * outline, facecolor="#404040", linewidth=0, zorder=2))
+    panel.set(xlim=limits[0], ylim=limits[1], aspect="equal", xticks=_ticks(limits[0]))
+    panel.grid(False)
+    panel.spines["right"].set_visible(True)
+    panel.spines["bottom"].set_visible(False)
+
+
+def _ticks(limits):
+    """Return ticks at both walls and half-way, to 10 mm where there is room for it."""
+    low, high = np.round(limits, -1 if limits[1] - limits[0] > 50.0 else 0) + 0.0
+    return [low, (low + high) / 2.0, high]
+
+
+def _moment(row, still_filling: bool) -> str:
+    """Return when a snapshot was taken."""
+    if still_filling:
+        return f"filling, t = {row['time_s']:.3g} s"
+    return f"u = {1e3 * row['displacement_m']:.3g} mm"
+
+
+def _color_range(fields) -> Normalize:
+    """Return a colour range from the 0.5 to the 99.5 percentile of all fields."""
+    low, high = np.nanpercentile(np.concatenate([field[1] for field in fields]), (0.5, 99.5))
+    if high - low < 0.01:  # a uniform field shall look uniform
+        low, high = 0.5 * (low + high) - 0.005, 0.5 * (low + high) + 0.005
+    return Normalize(low, high)
+
+
+def _limits(fields):
+    """Return (low, high) of x and of height [mm] around all fields."""
+    low = np.min([np.min(position - 0.5 * side[:, None], axis=0) for position, _, side in fields], axis=0)
+    high = np.max([np.max(position + 0.5 * side[:, None], axis=0) for position, _, side in fields], axis=0)
+    return (1e3 * low[0], 1e3 * high[0]), (1e3 * low[1] - 2.0, 1e3 * high[1] + 2.0)
+
+
+def _aspect(limits) -> float:
+    return (limits[0][1] - limits[0][0]) / (limits[1][1] - limits[1][0])
+
+
+def _color_bar(figure, panels, norm):
+    figure.colorbar(
+        ScalarMappable(norm, COLORS),
+        ax=panels,
+        label="void ratio e",
+        extend="both",
+        shrink=0.8,
+        aspect=30,
+        pad=0.02,
+    )

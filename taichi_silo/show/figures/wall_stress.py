@@ -1,0 +1,143 @@
+"""Normal and shear stress along the walls against height (Fig. 13 of the paper)."""
+
+import numpy as np
+
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, cell_mean
+from taichi_silo.show.figures.style import BLACK, BLUE, REFERENCE, VERMILLION, new_figure, put_title, start_at_zero
+
+STATES = {  # colour, width (equal curves on top of each other both show), name
+    "filling": (BLACK, 2.0, "after filling"),
+    "maximum": (VERMILLION, 3.4, "maximum (N largest)"),
+    "residual": (BLUE, 1.8, "residual"),
+}
+HOPPER_CELL_M = 0.05  # on inclined walls, where single rows of the grid mean little
+BOLD = min(width for _, width, _ in STATES.values())
+LEGEND = f"bold: mean of both walls, as a pressure cell of {1e3 * CELL_M:g} mm reads; light: each wall, node by node"
+LOPSIDED = f"bold: as a pressure cell of {1e3 * CELL_M:g} mm reads; outlet off the middle: left solid, right dashed"
+STRESSES = {"normal_stress_Pa": "wall normal stress (kPa)", "shear_stress_Pa": "wall shear stress (kPa)"}
+
+
+def run_wall_stress_figure(run):
+    """Return the figure of one run, or None without wall profiles."""
+    if not _has_profiles(run):
+        return None
+    figure = new_figure(9.6, 6.4)
+    panels = figure.subplots(1, 2, sharey=True)
+    for panel, quantity in zip(panels, STRESSES, strict=True):
+        _draw(panel, run, quantity)
+        panel.set_xlabel(STRESSES[quantity])
+        start_at_zero([panel], "x")
+        _fit([panel])
+    panels[0].set_ylabel("height above the initial bottom (mm)")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    put_title(figure, f"Wall stresses: {run.title}", LOPSIDED if run.lopsided else LEGEND)
+    return figure
+
+
+def case_wall_stress_figure(runs):
+    """Return the figure of several runs, a column each: normal stresses above, shear stresses below."""
+    runs = [run for run in runs if _has_profiles(run)]
+    if not runs:
+        return None
+    figure = new_figure(1.2 + 3.6 * len(runs), 11.0)
+    panels = figure.subplots(2, len(runs), squeeze=False, sharex="row", sharey=True)
+    for column, run in enumerate(runs):
+        for row, quantity in enumerate(STRESSES):
+            _draw(panels[row, column], run, quantity, name_origin=False)
+            panels[row, column].set_xlabel(STRESSES[quantity])
+        panels[0, column].set_title(f"{chr(97 + column)}) {run.label}")
+    for row in panels:
+        row[0].set_ylabel("height (mm)")
+        start_at_zero(row, "x")
+        _fit(row)
+    handles = {}
+    for panel in panels[0]:
+        lines, labels = panel.get_legend_handles_labels()
+        handles.update(zip(labels, lines, strict=True))
+    columns = 5 if len(runs) > 3 else min(2, len(runs))
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=columns)
+    figure.suptitle(f"Wall stresses\n{LOPSIDED if any(run.lopsided for run in runs) else LEGEND}")
+    return figure
+
+
+def _fit(panels):
+    """Let the bold curves fill the axis: single nodes in a corner may stick out."""
+    bold = [line.get_xdata() for panel in panels for line in panel.get_lines() if line.get_linewidth() >= BOLD]
+    largest = max((float(curve[np.isfinite(curve)].max(initial=0.0)) for curve in map(np.asarray, bold)), default=0.0)
+    if largest > 0.0:
+        panels[0].set_xlim(right=1.35 * largest)
+
+
+def _has_profiles(run) -> bool:
+    return bool(run.walls["wall"].isin(["left", "right"]).any())
+
+
+def _draw(panel, run, quantity: str, name_origin: bool = True):
+    """Draw one stress [kPa] against height [mm] for all states, with Janssen's theory."""
+    for state, (color, width, label) in STATES.items():
+        profiles = [_profile(run, state, wall, quantity) for wall in ("left", "right")]
+        profiles = [profile for profile in profiles if len(profile[0])]
+        for height, stress in profiles:
+            panel.plot(stress / 1e3, 1e3 * height, color=color, alpha=0.35, linewidth=0.9)
+        if profiles and run.lopsided:
+            for (height, stress), line in zip(profiles, ("-", (0, (2, 1))), strict=False):
+                read = cell_mean(height, stress) / 1e3
+                name = label if line == "-" else None
+                panel.plot(read, 1e3 * height, color=color, linewidth=width, linestyle=line, label=name, zorder=3)
+        elif profiles:
+            height = profiles[0][0]
+            mean = np.mean([np.interp(height, *profile) for profile in profiles], axis=0)
+            mean = cell_mean(height, mean)
+            panel.plot(mean / 1e3, 1e3 * height, color=color, linewidth=width, label=label, zorder=3)
+        hopper = [_profile(run, state, wall, quantity) for wall in ("hopper_left", "hopper_right")]
+        for (height, stress), line in zip(hopper, ("-", (0, (2, 1)) if run.lopsided else "-"), strict=True):
+            if len(height):
+                read = cell_mean(height, stress, HOPPER_CELL_M)
+                panel.plot(read / 1e3, 1e3 * height, color=color, linewidth=width, linestyle=line)
+    _draw_janssen(panel, run, quantity, name_origin)
+    _draw_code(panel, run, quantity)
+    top = run.parameter("silo", "height_m")
+    if top is not None:  # nodes above the sand carry nothing
+        panel.set_ylim(top=1.05e3 * top)
+
+
+def _profile(run, state: str, wall: str, quantity: str):
+    """Return height [m] and stress [Pa] along one wall, rising."""
+    rows = run.walls[(run.walls["state"] == state) & (run.walls["wall"] == wall)].sort_values("height_m")
+    return rows["height_m"].to_numpy(), rows[quantity].to_numpy()
+
+
+def _draw_janssen(panel, run, quantity: str, name_origin: bool):
+    """Draw Janssen's stress for each stored pressure ratio."""
+    for (origin, ratio), line in zip(run.pressure_ratios.items(), ("--", ":"), strict=False):
+        fill = run.janssen(ratio)
+        if fill is None:
+            return
+        height = np.linspace(0.0, fill.height_m, 101)
+        foot = run.transition_m
+        stress = fill.normal_stress_Pa if quantity == "normal_stress_Pa" else fill.shear_stress_Pa
+        label = f"Janssen, {origin}"
+        if name_origin:
+            label += f" = {ratio:.2f}, $\\varphi_w$ = {fill.wall_friction_angle_deg:.3g}°"
+        panel.plot(
+            stress(fill.height_m - height) / 1e3,
+            1e3 * (foot + height),
+            color=REFERENCE,
+            linestyle=line,
+            zorder=3.5,
+            label=label,
+        )
+
+
+def _draw_code(panel, run, quantity: str):
+    """Draw the stress on discharge after EN 1991-4, of sand as in its table."""
+    code = run.eurocode
+    if code is None:
+        return
+    height = np.linspace(0.0, code.height_m, 101)
+    stress = code.discharge_normal_Pa if quantity == "normal_stress_Pa" else code.discharge_shear_Pa
+    panel.plot(
+        stress(code.height_m - height) / 1e3, 1e3 * (run.transition_m + height), color=REFERENCE, linestyle="-.",
+        linewidth=1.0, zorder=3.4, label="EN 1991-4, discharge, its sand",
+    )  # fmt: skip

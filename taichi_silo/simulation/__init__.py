@@ -1,0 +1,1 @@
+"""From a scene to its history: discretise, fill, settle, flow, record."""

@@ -1,0 +1,89 @@
+"""What a simulation needs to go on from a record as if it had never been left: `of` takes it, `restore` puts it back.
+
+Beside what the scene says this is: the clocks, how far the filling is, the points and their names, what has left, the
+last survey, and of the solver what outlives an interval: the nodes' last velocities and memory, the tractions of
+surfaces, the order of the points in lanes, and of a non-local average the state that its rows were built from, of
+which they are built once more. All other fields are made anew in each step.
+"""
+
+import dataclasses
+from types import SimpleNamespace
+
+import numpy as np
+
+from taichi_silo.simulation import filling, outflow
+
+CLOCK = (
+    "time", "displacement", "stage", "settled", "finished", "flow_start", "bottom_speed", "left_at", "step", "steps",
+    "stepping_seconds", "seen",
+)  # fmt: skip
+NODAL = ("memory", "velocity", "change", "echo")
+
+
+def of(simulation) -> dict:
+    """Numbers, words, arrays, and dictionaries of them."""
+    particles, solver, ledger = simulation.particles, simulation.solver, simulation.ledger
+    kept = {
+        "clock": {name: getattr(simulation, name) for name in CLOCK} | {"loads": particles.loads},
+        "filling": dataclasses.asdict(simulation.filling),
+        "warnings": list(simulation.warnings),
+        "alarms": simulation.alarms.state(),
+        "after": vars(simulation.after) if simulation.after else None,
+        "points": particles.arrays() | {"identity": simulation.identity},
+        "nodes": {name: getattr(simulation.grid, name).to_numpy() for name in NODAL},
+    }
+    if ledger:
+        kept["ledger"] = {"mass": ledger.mass, "momentum": ledger.momentum, "points": ledger.points}
+    if solver.surfaces.ACTIVE:
+        kept["surfaces"] = {name: getattr(solver.surfaces, name).to_numpy() for name in ("traction", "seen")}
+    if solver.lanes:
+        kept["lanes"] = {"sorted": list(solver.lanes.sorted), "order": particles.order.to_numpy()}
+    if solver.averaging.ACTIVE and solver.averaging.loads == particles.loads:
+        kept["rows"] = solver.averaging.origin | {"builds": solver.averaging.builds}
+    return kept
+
+
+def restore(simulation, kept: dict) -> None:
+    """Put it back into a simulation of the same scene that has not been begun."""
+    particles, points, clock = simulation.particles, dict(kept["points"]), dict(kept["clock"])
+    loads = clock.pop("loads")
+    for name in CLOCK:
+        setattr(simulation, name, clock[name])
+    simulation.filling = filling.Progress(**kept["filling"])
+    simulation.warnings = list(dict.fromkeys([*kept["warnings"], *simulation.warnings]))
+    simulation.alarms.restore(kept["alarms"])
+    simulation.after = SimpleNamespace(**kept["after"]) if kept["after"] else None
+    simulation.identity = points.pop("identity")
+    if simulation.stage == "flow" and simulation.scene.flow.outflow == "gravity":
+        outflow.loosen(simulation)
+    solver = simulation.solver
+    if "rows" in kept:
+        rows = dict(kept["rows"])
+        builds = rows.pop("builds")
+        particles.load(points | rows)
+        solver.averaging.build()
+        solver.averaging.builds, solver.averaging.loads = builds, loads
+    particles.load(points)
+    particles.loads = loads
+    for name, values in kept["nodes"].items():
+        getattr(simulation.grid, name).from_numpy(values)
+    if simulation.ledger:
+        for name, value in kept["ledger"].items():
+            setattr(simulation.ledger, name, value)
+    for name, values in kept.get("surfaces", {}).items():
+        getattr(solver.surfaces, name).from_numpy(values)
+    if solver.lanes:
+        _restore_lanes(simulation, kept.get("lanes"))
+
+
+def _restore_lanes(simulation, kept: dict | None) -> None:
+    """Order and nodes; points that were stepped plainly until now are sorted before the next step."""
+    lanes, grid = simulation.solver.lanes, simulation.grid
+    velocity, change = grid.velocity.to_numpy(), grid.change.to_numpy()
+    lanes.nodal.from_numpy(np.concatenate([velocity, change, velocity, velocity], axis=1))
+    lanes.sorted = (-1, 0.0)
+    if kept:
+        lanes.sorted = tuple(kept["sorted"])
+        if not ((kept["order"] >= 0) & (kept["order"] <= lanes.particles.count)).all():
+            raise ValueError("the order names points that are not there")
+        lanes.particles.order.from_numpy(kept["order"])

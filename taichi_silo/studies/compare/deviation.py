@@ -1,0 +1,90 @@
+"""How far runs are from measurements: root mean square and largest deviation over the range that both have."""
+
+import numpy as np
+import pandas as pd
+
+from taichi_silo.show.figures.forces import angle, force, running_median, wall_force
+from taichi_silo.show.figures.run_files import RunFiles
+from taichi_silo.show.report.states import wall_profile
+from taichi_silo.studies.compare.measured import Measured
+
+COLUMNS = (
+    "run", "file", "quantity", "state", "wall", "unit", "points", "place", "begin", "end", "rms", "largest",
+    "largest_at", "measured_peak", "rms_percent", "largest_percent",
+)  # fmt: skip
+UNITS = {"angle": "deg", "normal_stress_Pa": "Pa", "shear_stress_Pa": "Pa"}
+ALL_STATES = ("filling", "maximum", "residual")
+
+
+def deviations(runs: list[RunFiles], measured: list[Measured]) -> pd.DataFrame:
+    """A row for each run and each measured quantity.
+
+    Deviations are run less measurement at the measured places; `largest` has its sign, and percentages are over the
+    largest measured value. A profile that names no state is set beside all three. Where run and measurement have no
+    range in common `points` is 0.
+    """
+    rows = [row for one in measured for run in runs for row in _of_file(run, one)]
+    return pd.DataFrame(rows, columns=list(COLUMNS), dtype=object)
+
+
+def _of_file(run: RunFiles, measured: Measured):
+    if measured.kind == "curves":
+        for name in measured.quantities:
+            known = measured.table[[measured.place, name]].dropna()
+            yield _row(run, measured, name, ("", ""), known.to_numpy(float).T, curve(run, name, measured.place))
+        return
+    for (state, wall), rows in measured.table.groupby(["state", "wall"], sort=False):
+        for name in measured.quantities:
+            known = rows[["height_m", name]].dropna().to_numpy(float).T
+            for one in (state,) if state else ALL_STATES:
+                yield _row(run, measured, name, (one, wall), known, wall_profile(run, one, name, wall))
+
+
+def _row(run: RunFiles, measured: Measured, name: str, where: tuple[str, str], known, found) -> tuple:
+    """One comparison: `known` and `found` are (places, values)."""
+    head = (run.label, measured.name, name, *where, UNITS.get(name, "N/m"))
+    place, value = known
+    peak = float(np.abs(value).max()) if len(value) else None
+    x, y = found
+    common = (place >= x[0]) & (place <= x[-1]) if len(x) else np.zeros(len(place), bool)
+    if not common.any():
+        return (*head, 0, measured.place, None, None, None, None, None, peak, None, None)
+    place, deviation = place[common], np.interp(place[common], x, y) - value[common]
+    rms, k = float(np.sqrt(np.mean(deviation**2))), int(np.argmax(np.abs(deviation)))
+    share = (None, None) if not peak else (100.0 * rms / peak, 100.0 * float(deviation[k]) / peak)
+    span = (len(place), measured.place, float(place[0]), float(place[-1]))
+    return (*head, *span, rms, float(deviation[k]), float(place[k]), peak, *share)
+
+
+def curve(run: RunFiles, name: str, place: str = "displacement_m") -> tuple[np.ndarray, np.ndarray]:
+    """Places and values [N/m, or degrees] of a run's curve: the state after filling, then the flow's running median.
+
+    Parameters
+    ----------
+    run : of a silo.
+    name : P, T, N, left_normal, left_shear, right_normal, right_shear, or angle.
+    place : "displacement_m", or "time_s" since the outflow began.
+
+    """
+    rows = run.flow
+    if rows.empty:
+        return np.zeros(0), np.zeros(0)
+    begin = 0.0
+    if place == "time_s":
+        begin = run.filling["time_s"].iloc[-1] if len(run.filling) else rows["time_s"].iloc[0]
+    x, y = rows[place] - begin, pd.Series(_values(rows, name), index=rows.index)
+    y = running_median(x, y)
+    x, y = x.to_numpy(float), y.to_numpy(float)
+    if run.filled is not None and x[0] > 0.0:
+        x, y = np.append(0.0, x), np.append(float(_values(run.filled, name)), y)
+    known = np.isfinite(y)
+    return x[known], y[known]
+
+
+def _values(rows, name: str):
+    if name == "angle":
+        return angle(rows)
+    if name in ("P", "T", "N"):
+        return 1e3 * force(rows, name)
+    wall, _, kind = name.partition("_")
+    return 1e3 * wall_force(rows, "T" if kind == "shear" else "N", wall)

@@ -1,0 +1,98 @@
+"""Latin hypercube: runs that vary everything at once, each quantity stratified over its whole range."""
+
+import math
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+from scipy.stats import qmc
+
+from taichi_silo.studies.sweep.checked import checked
+from taichi_silo.studies.sweep.variations import MOST_RUNS
+from taichi_silo.utils.messages import shown
+from taichi_silo.utils.schema import Table
+
+DIGITS = 6  # of values without a step, as many as the table shows
+
+
+class Span(Table):
+    """From `low` to `high`, both included; in steps from `low` on, such as whole cells, if a step is given."""
+
+    low: float
+    high: float
+    step: float | None = Field(None, gt=0)
+    logarithmic: bool = False
+
+    @model_validator(mode="after")
+    def _ordered(self):
+        if not self.low < self.high:
+            raise ValueError(f"low is {self.low:g}; it must be below high = {self.high:g}")
+        if self.step is not None and self.step > self.high - self.low:
+            raise ValueError(f"step is {self.step:g}; it must be at most high - low = {self.high - self.low:g}")
+        if self.logarithmic and self.low <= 0.0:
+            raise ValueError(f"low is {self.low:g}; it must be above 0 for a logarithmic span")
+        return self
+
+    def value(self, part: float, whole: bool) -> float | int:
+        """At a part, from 0 to 1, of the way; every step (or whole number) has the same share of it."""
+        step = self.step or (1.0 if whole else None)
+        if step is None:
+            return min(max(float(f"{self._between(part):.{DIGITS}g}"), self.low), self.high)
+        last = math.floor((self.high - self.low) / step * (1.0 + 1e-12) + 1e-9)
+        if self.logarithmic:
+            number = min(round((self._between(part) - self.low) / step), last)
+        else:
+            number = min(int(part * (last + 1)), last)
+        exact = Decimal(repr(self.low)) + number * Decimal(repr(step))
+        return int(exact) if whole else float(exact)
+
+    def _between(self, part: float) -> float:
+        if self.logarithmic:
+            return self.low * (self.high / self.low) ** part
+        return self.low + part * (self.high - self.low)
+
+
+class Choices(Table):
+    """One of some values, each with the same share."""
+
+    choices: tuple[Any, ...] = Field(min_length=2)
+
+    def value(self, part: float, whole: bool) -> Any:
+        """At a part, from 0 to 1, of the way through the list."""
+        return self.choices[min(int(part * len(self.choices)), len(self.choices) - 1)]
+
+
+class LatinHypercube(Table):
+    """What varies between what, how often, and the seed of the draw."""
+
+    runs: int = Field(ge=2, le=MOST_RUNS)
+    seed: int = Field(1, ge=0)
+    between: dict[str, Span | Choices] = Field(min_length=1, max_length=100)
+
+    @field_validator("between", mode="before")
+    @classmethod
+    def _read(cls, given):
+        return {path: _range(path, one) for path, one in given.items()} if isinstance(given, dict) else given
+
+    def settings(self, whole=lambda path: False) -> list[dict]:
+        """Values by their paths, once for each run; `whole` says whether those of a path are whole numbers."""
+        # 0 to 1, each of `runs` equal parts of it once in each column
+        drawn = qmc.LatinHypercube(d=len(self.between), seed=np.random.default_rng(self.seed)).random(self.runs)
+        return [
+            {path: one.value(part, whole(path)) for (path, one), part in zip(self.between.items(), row, strict=True)}
+            for row in drawn.tolist()
+        ]
+
+
+def _range(path: str, given) -> Span | Choices:
+    """Of [low, high], a list of words, or a table."""
+    if isinstance(given, dict):
+        return checked(Choices if "choices" in given else Span, given, f"{path}.")
+    numbers = isinstance(given, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in given)
+    if numbers and len(given) == 2:
+        return checked(Span, {"low": given[0], "high": given[1]}, f"{path}.")
+    if isinstance(given, list) and not numbers:
+        return checked(Choices, {"choices": given}, f"{path}.")
+    right = "[low, high], a list of words, or a table of low, high or choices"
+    raise ValueError(f"{shown(path)} is {shown(given)}; it must be {right}")

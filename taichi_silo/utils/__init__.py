@@ -1,0 +1,1 @@
+"""Files, processes, messages: nothing of mechanics."""

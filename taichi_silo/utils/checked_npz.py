@@ -1,0 +1,150 @@
+"""Numbers, words and arrays in one file that knows whether it is whole.
+
+The file is a `.npz` without pickled objects: `header` (JSON: format, version of the program, checksum), `content`
+(JSON: everything that is no array) and the arrays, each under its path through the dictionaries. Floats come back bit
+by bit.
+"""
+
+import hashlib
+import json
+import math
+import zipfile
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from taichi_silo.errors import BadInput
+from taichi_silo.utils import bounded_reading
+from taichi_silo.utils.messages import shown
+
+FORMAT = 2  # of what is kept; a file of another one is refused
+
+
+class Damaged(ValueError):
+    """The file is not what was written."""
+
+
+def write(file: Path, tree: dict) -> None:
+    """Write a tree of dictionaries; their leaves are arrays, or what JSON knows."""
+    arrays = {}
+    content = json.dumps(_without_arrays(tree, "", arrays), default=_plain)
+    header = {"format": FORMAT, "taichi_silo": version("taichi-silo"), "sha256": _checksum(content, arrays)}
+    with open(file, "wb") as stream:
+        np.savez(stream, header=json.dumps(header), content=content, **arrays)
+
+
+def read(file: Path) -> tuple[dict, dict]:
+    """The header and the tree.
+
+    Raises
+    ------
+    FileNotFoundError
+        if it is not there.
+    Damaged
+        if it cannot be read, or is not what was written.
+    BadInput
+        if it is of another format.
+
+    """
+    file = Path(file)
+    size = file.stat().st_size
+    try:
+        if not file.is_file():
+            raise Damaged("it is no file")
+        with zipfile.ZipFile(file) as stored:
+            members = _members(stored, size)
+            header = dict(json.loads(str(_array(stored, members.pop("header")))))
+            if header.get("format") != FORMAT:
+                raise BadInput(_of_other_format(file, header))
+            content = str(_array(stored, members.pop("content")))
+            arrays = {name: _array(stored, member) for name, member in members.items()}
+        if _checksum(content, arrays) != header.get("sha256"):
+            raise Damaged("its checksum does not fit")
+        return header, _whole(json.loads(content), arrays)
+    except (BadInput, Damaged):
+        raise
+    except Exception as error:  # noqa: BLE001 - a damaged file makes its readers say anything
+        raise Damaged(f"it cannot be read: {error or type(error).__name__}") from error
+
+
+def understood(folder: Path):
+    """A context that refuses to go on from a checkpoint that is whole but holds what no run keeps (BadInput)."""
+    return bounded_reading.sense(f"{folder} cannot be resumed: its checkpoint holds what no run keeps")
+
+
+def need(tree: dict, *paths: str) -> None:
+    """Refuse a tree that has nothing at one of some dotted paths.
+
+    Raises
+    ------
+    LookupError, TypeError
+        at the first of them.
+
+    """
+    for path in paths:
+        here = tree
+        for name in path.split("."):
+            here = here[name]
+
+
+def _of_other_format(file: Path, header: dict) -> str:
+    written = f"format {shown(header['format'])}" if "format" in header else "an earlier version"
+    return f"{file} is of {written}; this version of taichi-silo goes on from format {FORMAT}"
+
+
+def _members(stored: zipfile.ZipFile, size: int) -> dict[str, zipfile.ZipInfo]:
+    """The members by name, of which none is packed, and which all together are no longer than the file."""
+    members = stored.infolist()
+    if any(one.compress_type != zipfile.ZIP_STORED for one in members):
+        raise Damaged("it is packed")
+    if sum(one.file_size for one in members) > size:
+        raise Damaged("it promises more than it holds")
+    return {one.filename.removesuffix(".npy"): one for one in members}
+
+
+def _array(stored: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
+    """An array in numpy's own form; no more room is made for it than it has bytes, and no object is unpacked."""
+    form = np.lib.format
+    readers = {(1, 0): form.read_array_header_1_0, (2, 0): form.read_array_header_2_0}
+    with stored.open(member) as stream:
+        shape, by_columns, kind = readers[form.read_magic(stream)](stream)
+        if kind.hasobject or math.prod(shape) * kind.itemsize != member.file_size - stream.tell():
+            raise Damaged("an array is not as long as it says")
+        return np.ndarray(shape, kind, stream.read(), order="F" if by_columns else "C").copy()
+
+
+def _whole(tree: dict, arrays: dict[str, np.ndarray]) -> dict:
+    """The tree, its arrays put back in their places."""
+    for path, values in arrays.items():
+        *names, last = path.split("/")
+        here = tree
+        for name in names:
+            here = here[name]
+        here[last] = values
+    return tree
+
+
+def _without_arrays(tree: dict, path: str, arrays: dict) -> dict:
+    """The tree less its arrays, which are gathered by their paths."""
+    rest = {}
+    for name, value in tree.items():
+        if isinstance(value, np.ndarray):
+            arrays[path + name] = value
+        else:
+            rest[name] = _without_arrays(value, f"{path}{name}/", arrays) if isinstance(value, dict) else value
+    return rest
+
+
+def _plain(value):
+    """A number of numpy's as Python's."""
+    return value.item()
+
+
+def _checksum(content: str, arrays: dict) -> str:
+    found = hashlib.sha256(content.encode())
+    for name in sorted(arrays):
+        values = arrays[name]
+        found.update(f"{name} {values.dtype.str} {values.shape}".encode())
+        found.update(values.tobytes())
+    return found.hexdigest()

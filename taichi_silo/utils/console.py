@@ -1,0 +1,42 @@
+"""How a command speaks: for a person, for nobody, or for a script that reads JSON."""
+
+import json
+import sys
+from dataclasses import dataclass
+
+from rich.console import Console
+
+WIDE = 132  # columns of a table that goes to a file or another program
+
+
+@dataclass(frozen=True)
+class Voice:
+    """What is printed where.
+
+    Attributes
+    ----------
+    quiet : print errors only.
+    as_json : stdout is kept for one JSON object, the result.
+
+    """
+
+    quiet: bool = False
+    as_json: bool = False
+
+    @property
+    def console(self) -> Console:
+        """For lines, tables and progress bars; silent where nothing is to be said."""
+        stream = sys.stderr if self.as_json else sys.stdout
+        width = None if stream.isatty() else WIDE
+        return Console(file=stream, quiet=self.quiet, highlight=False, soft_wrap=True, width=width)
+
+    def say(self, *lines: str) -> None:
+        """Tell a person."""
+        for line in lines:
+            self.console.print(line, markup=False)
+
+    def result(self, found: dict) -> None:
+        """Tell a script, if one listens."""
+        if self.as_json:
+            json.dump(found, sys.stdout, default=str, allow_nan=False)
+            print()

@@ -1,0 +1,194 @@
+"""One point of the chart: a scene, run in a process of its own, and the few numbers that are kept of it.
+
+Run as a program, it reads a point from its input, says what it expects to cost, and leaves a file; the environment
+variable TAICHI_SILO_PRECISION says in which precision.
+"""
+
+import dataclasses
+import hashlib
+import json
+import math
+import sys
+import time
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+
+from taichi_silo.analysis.measure.certificate import certificate
+from taichi_silo.analysis.measure.shear_zones import wall_zone_thickness_m
+from taichi_silo.errors import RunFailed
+from taichi_silo.mpm import runtime
+from taichi_silo.runs.cost_estimate import predict
+from taichi_silo.runs.observers import Observer
+from taichi_silo.runs.observers.guard import Guard
+from taichi_silo.scene.dotted_paths import OUTSIDE, changed
+from taichi_silo.scene.scene import Machine, Scene
+from taichi_silo.simulation.simulation import Simulation
+from taichi_silo.utils.child_process import given
+from taichi_silo.utils.schema import Table
+from validation.accuracy.curves import Curves, WallProfile
+
+FORMAT = 1  # of the files; those of another one are made anew
+NUDGE = 1e-12  # of the places at the start, over the spacing: what rounding might do
+
+
+class Point(Table):
+    """A run: scene, precision of its numbers, and number of its start perturbation (0: none)."""
+
+    scene: Scene
+    precision: Literal["f64", "f32", "mixed"] = "f64"
+    nudge: int = 0
+
+    @property
+    def key(self) -> str:
+        """Hash of all that changes the result."""
+        tables = self.model_dump(mode="json", exclude={"scene": {"machine"}})
+        return hashlib.sha256(json.dumps(tables, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def point(scene: Scene, settings: dict) -> Point:
+    """The point that a scene becomes with settings; on one thread, so that it repeats itself."""
+    tables = changed(scene, settings).model_copy(update={"machine": Machine(arch=scene.machine.arch, threads=1)})
+    return Point(scene=tables, **{name: settings[name] for name in OUTSIDE if name in settings})
+
+
+def file_of(one: Point, folder: Path) -> Path:
+    """Where the numbers of a point are kept."""
+    return folder / f"{one.key}.json"
+
+
+def kept(one: Point, folder: Path) -> dict | None:
+    """The numbers of a finished point; None if there are none that can be read."""
+    try:
+        found = json.loads(file_of(one, folder).read_text())
+        return found if found["format"] == FORMAT else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+class Records(Observer):
+    """Everything of the records but their profiles, and the state after filling."""
+
+    def begin(self, simulation) -> None:
+        """Start with nothing."""
+        self.simulation, self.rows, self.after_filling = simulation, [], None
+
+    def observe(self, record) -> None:
+        """Keep the numbers."""
+        row = {f.name: getattr(record, f.name) for f in dataclasses.fields(record) if f.name != "profile"}
+        derived = ("normal_N_per_m", "shear_N_per_m", "residual_N_per_m")
+        self.rows.append(row | {name: getattr(record, name) for name in derived})
+
+    def filled(self) -> None:
+        """Keep the state."""
+        self.after_filling = self.state()
+
+    def state(self) -> dict:
+        """Of the points, now."""
+        simulation = self.simulation
+        return simulation.points() | {"displacement_m": simulation.displacement, "time_s": simulation.time}
+
+
+def simulate(one: Point, told=lambda cost: None) -> dict:
+    """Run a point and return what is kept of it; Taichi has been started. `told` hears the expected cost first.
+
+    Returns
+    -------
+    curves: P, T, N over the bottom displacement; profile: wall normal stress over height; zone_thickness_m; residual:
+    means over the last fifth of the displacement; certificate; cost; failure: why the run went wrong, or None.
+
+    """
+    scene, failure = one.scene, None
+    simulation = Simulation(scene)
+    if one.nudge:
+        arrays = simulation.particles.arrays()
+        shift = NUDGE * simulation.spacing * np.random.default_rng(one.nudge).standard_normal(arrays["position"].shape)
+        simulation.particles.load(arrays | {"position": arrays["position"] + shift})
+    expected = predict(simulation)
+    told(expected)
+    begun = time.process_time()
+    records, profile = Records(), WallProfile()
+    observers = (records, profile, Guard())
+    for observer in observers:
+        observer.begin(simulation)
+    try:
+        for stage in (simulation.fill, simulation.flow):
+            for record in stage():
+                for observer in observers:
+                    observer.observe(record)
+            if stage == simulation.fill:
+                for observer in observers:
+                    observer.filled()
+    except RunFailed as error:
+        failure = str(error)
+    # on a quiet machine the first; on one that others use or halt, the processor's own time
+    spent = min(simulation.stepping_seconds * simulation.solver.threads, time.process_time() - begun)
+    rows = pd.DataFrame(records.rows)
+    found = {
+        "format": FORMAT,
+        "point": one.model_dump(mode="json"),
+        "failure": failure,
+        "warnings": simulation.warnings,
+        "cost": {
+            "points": scene.points,
+            "steps": simulation.steps,
+            "time_step_s": simulation.time / max(simulation.steps, 1),
+            "core_seconds": spent,
+            "predicted_steps": expected.steps,
+            "predicted_core_seconds": expected.core_seconds,
+        },
+    }
+    if failure is None:
+        curves = Curves.of(rows[rows.stage == "flow"], scene.flow.displacement_m)
+        found |= {
+            "curves": dataclasses.asdict(curves),
+            "residual": curves.residual(),
+            "profile": profile.smooth(),
+            "zone_thickness_m": zone_thickness_m(records.after_filling, records.state(), scene),
+            "certificate": certificate(rows, records.after_filling, records.state(), simulation),
+        }
+    return _plain(found)
+
+
+def zone_thickness_m(filled: dict, now: dict, scene: Scene) -> float:
+    """Mean of both walls' shear zones (medians over the rows of points); 0 where there is none."""
+    position = now["position"] + [0.0, now["displacement_m"]]
+    sides = [
+        wall_zone_thickness_m(position, now["void_ratio"], filled["void_ratio"], scene.silo.width_m, side=side)
+        for side in ("left", "right")
+    ]
+    return float(np.mean([zone.median_m for zone in sides]))
+
+
+def _plain(value):
+    """As JSON has it: lists, Python numbers, and null for what is not finite."""
+    if isinstance(value, dict):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(inner) for inner in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def leave(one: Point, folder: Path) -> None:
+    """Run a point and leave its file, in one piece or not at all; the expected cost goes to the output first."""
+    file = file_of(one, folder)
+
+    def told(cost) -> None:
+        print(json.dumps({"steps": cost.steps, "core_seconds": cost.core_seconds}), flush=True)
+
+    temporary = file.with_suffix(".part")
+    temporary.write_text(json.dumps(simulate(one, told)))
+    temporary.replace(file)
+
+
+if __name__ == "__main__":
+    try:
+        wanted = Point.model_validate_json(given())
+        runtime.init(wanted.scene.machine.arch, wanted.scene.machine.threads)
+        leave(wanted, Path(sys.argv[1]))
+    except KeyboardInterrupt:
+        sys.exit(130)
