@@ -8,7 +8,7 @@ FIELDS = "\n*Its values with units, ranges and defaults: [scene file](scene.md).
 def names() -> str:
     """All of them, by what they are."""
     import taichi_silo
-    from taichi_silo.utils.schema import Table
+    from taichi_silo.utils.schema import Options
 
     kinds = {"Functions": [], "Results": [], "Scenes": [], "What goes wrong": []}
     for module, found in taichi_silo.HOME.items():
@@ -18,7 +18,7 @@ def names() -> str:
                 kinds["Functions"].append(place)
             elif issubclass(value, BaseException):
                 kinds["What goes wrong"].append(place)
-            elif issubclass(value, Table):
+            elif issubclass(value, Options):
                 kinds["Scenes"].append(place + FIELDS)
             else:
                 kinds["Results"].append(place)

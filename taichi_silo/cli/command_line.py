@@ -9,12 +9,12 @@ from pathlib import Path
 import typer
 from pydantic import ValidationError
 from rich import box
-from rich.console import Console
+from rich.console import Console as RichConsole
 from rich.table import Table
 
 from taichi_silo.errors import BadInput, MachineFailed, RunFailed, Stopped
 from taichi_silo.utils.bounded_reading import place
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 from taichi_silo.utils.machine_faults import of_machine
 from taichi_silo.utils.messages import sentence as in_one_line
 from taichi_silo.utils.schema import one_sentence
@@ -127,16 +127,16 @@ def explain(scene) -> None:
         table.add_column(column)
     for part in parts(scene):
         table.add_row(part.part, part.choice, part.because, part.flag or "–")
-    Console(width=None if sys.stdout.isatty() else 132, highlight=False).print(table)
+    RichConsole(width=None if sys.stdout.isatty() else 132, highlight=False).print(table)
 
 
-def tell(folder: Path, voice: Voice | None = None) -> None:
+def tell(folder: Path, console: Console | None = None) -> None:
     """Say where to look, and how far to trust it."""
     from taichi_silo.show.figures.run_files import RunFiles
     from taichi_silo.show.report.trust import verdict
 
-    voice = voice or Voice()
-    voice.say(f"\nThe run is in {folder}")
+    console = console or Console()
+    console.say(f"\nThe run is in {folder}")
     for name, what in (
         ("void_ratio.mp4", "film"), ("figures/forces.png", "P, T, N against the bottom displacement"),
         ("figures/void_ratio.png", "shear zones"),
@@ -144,9 +144,9 @@ def tell(folder: Path, voice: Voice | None = None) -> None:
         ("summary.json", "peaks, residuals, certificate"), ("snapshots/silo.pvd", "for ParaView"),
     ):  # fmt: skip
         if (folder / name).exists():
-            voice.say(f"  {name:26s} {what}")
+            console.say(f"  {name:26s} {what}")
     said = verdict(RunFiles.read(folder))
-    voice.say(f"\n{said.title}. {said.words}", f"One page of it all: taichi-silo report {folder}")
+    console.say(f"\n{said.title}. {said.words}", f"One page of it all: taichi-silo report {folder}")
     summary = folder / "summary.json"
     found = json.loads(summary.read_text(encoding="utf-8")) if summary.exists() else {}
-    voice.result({"folder": str(folder), "summary": found})
+    console.result({"folder": str(folder), "summary": found})

@@ -40,7 +40,7 @@ SectionFlag = Annotated[
 ]
 OutletFlag = Annotated[float, typer.Option(help="width of the outlet [m]; its edges in a flat floor lie on the grid")]
 PositionFlag = Annotated[str, typer.Option(help="centre | left | right: in the middle, or beside a wall")]
-MethodFlags = dict  # what a scenario gets for its parameter of this type: the values of Variant
+MethodFlags = dict  # what a scenario gets for its parameter of this type: the values of MethodOptions
 METHOD_FLAGS = {
     "transfer": (str, "flip", "grid to points: " + " | ".join(TRANSFERS)),
     "pic_share": (float, 0.05, "of PIC in each step, with --transfer blend [-]"),
@@ -60,7 +60,7 @@ class Group(NamedTuple):
 
 
 def method(values: dict) -> dict:
-    """The values of Variant, from those of METHOD_FLAGS."""
+    """The values of MethodOptions, from those of METHOD_FLAGS."""
     found = {name: values[name] for name in METHOD_FLAGS}
     found["stress_filter"] = found.pop("filter")
     found["time_step_s"] = _seconds(found.pop("time_step"))

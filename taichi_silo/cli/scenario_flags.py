@@ -13,7 +13,7 @@ from taichi_silo.scene import fidelity as fidelities
 from taichi_silo.scene import sands
 from taichi_silo.scene.scene import Averaging, Filling, Flow, Machine, Mesh, Method, Output, Scene, Walls
 from taichi_silo.scene.silo import Silo
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 
 SAND_FLAGS = {
     "void_ratio": (float, 0.60, "initial void ratio of the sand [-], between e_d0 and e_i0"),
@@ -105,17 +105,17 @@ class Common:
 
     def run(self, silo: Silo, name: str, flow: Flow | None = None) -> Path | None:
         """Run it, or explain it; the folder is outputs/NAME_e..._walls unless it is given."""
-        scene, voice = self.scene(silo, flow), Voice(self.quiet, self.json)
+        scene, console = self.scene(silo, flow), Console(self.quiet, self.json)
         if self.cell_size is None and self.points_per_cell is None and self.values.get("speed") is None:
-            voice.say(f"Fidelity {self.fidelity}: {fidelities.fidelity(self.fidelity).words()}.")
+            console.say(f"Fidelity {self.fidelity}: {fidelities.fidelity(self.fidelity).words()}.")
         if self.explain:
             explain(scene)
             return None
         folder = self.output.expanduser() if self.output else None
         folder = folder or free_name(Path("outputs") / f"{name}_e{self.void_ratio:.2f}_{self.walls}")
-        voice.say(f"The run goes to {folder}.")
-        lines = ProgressLine(voice.console)
-        tell(run(scene, folder, overwrite=self.overwrite, film=self.film, extra=(lines,)), voice)
+        console.say(f"The run goes to {folder}.")
+        lines = ProgressLine(console.terminal)
+        tell(run(scene, folder, overwrite=self.overwrite, film=self.film, extra=(lines,)), console)
         return folder
 
 

@@ -12,7 +12,7 @@ from pydantic_core import PydanticUndefined
 from taichi_silo.errors import BadInput
 from taichi_silo.scene.scene import Scene
 from taichi_silo.utils.messages import near, shown
-from taichi_silo.utils.schema import Table, table_in
+from taichi_silo.utils.schema import Options, table_in
 
 MOST_DIGITS = 6  # of the number of an entry in a path
 OUTSIDE = ("precision", "nudge")  # no part of the scene: of the process, and of the start
@@ -23,7 +23,7 @@ def known(path: str) -> bool:
     if path in OUTSIDE:
         return True
     kind = _kind(path)
-    return kind is not None and not (isinstance(kind, type) and issubclass(kind, Table))
+    return kind is not None and not (isinstance(kind, type) and issubclass(kind, Options))
 
 
 def whole(path: str) -> bool:
@@ -123,7 +123,7 @@ def _inside(table, name: str, path: str, make: bool):
     return table.get(name)
 
 
-def _paths(table: type[Table], before: str = "") -> Iterator[str]:
+def _paths(table: type[Options], before: str = "") -> Iterator[str]:
     """All paths of values; the first of a list stands for all."""
     for name, field in table.model_fields.items():
         inner, path = table_in(field.annotation), before + name

@@ -4,12 +4,12 @@ import tomllib
 from pathlib import Path
 
 from taichi_silo.errors import BadInput
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 
 FILE = Path(__file__).with_name("fidelity.toml")
 
 
-class Fidelity(Table):
+class Fidelity(Options):
     """Values at dotted paths of the scene; errors against the chart's reference, and its cost, if they were measured.
 
     The errors are those of `taichi_silo.chart.errors`, relative; the cost is that of the chart's scene [core-seconds].

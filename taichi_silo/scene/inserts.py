@@ -7,10 +7,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from taichi_silo.scene import polygons
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 
 
-class Insert(Table):
+class Insert(Options):
     """A body inside the sand, across the whole silo: a roof (a triangle on its base), a cylinder, or any polygon."""
 
     kind: Literal["roof", "cylinder", "polygon"] = Field(description="of body")

@@ -8,12 +8,12 @@ from taichi_silo.mpm.filters import FILTERS
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.solver import STRESS_UPDATES
 from taichi_silo.mpm.velocity_transfer import TRANSFERS, Blend
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 
 Shape = Literal[tuple(SHAPES)]
 
 
-class Variant(Table):
+class MethodOptions(Options):
     """Transfer, order of the step, filter and time step; the defaults are what the stability map recommends."""
 
     transfer: Literal[tuple(TRANSFERS)] = Field("flip", description="of velocity from grid to points")

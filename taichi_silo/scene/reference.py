@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import tomli_w
 
 from taichi_silo.scene.scene import Scene
-from taichi_silo.utils.schema import Table, table_in
+from taichi_silo.utils.schema import Options, table_in
 
 UNITS = {
     "kg_per_m3": "kg/m³", "m_per_s2": "m/s²", "m_per_s": "m/s", "m2": "m²", "deg": "°", "Pa": "Pa", "m": "m", "s": "s",
@@ -57,7 +57,7 @@ class _Required(enum.Enum):
 REQUIRED = _Required.REQUIRED
 
 
-def entries(table: type[Table] = Scene, before: str = "", optional: bool = False) -> list[Entry]:
+def entries(table: type[Options] = Scene, before: str = "", optional: bool = False) -> list[Entry]:
     """All values of a table, in its order; those of its own tables last."""
     values, tables = [], []
     for name, field in table.model_fields.items():
@@ -77,7 +77,7 @@ def entries(table: type[Table] = Scene, before: str = "", optional: bool = False
     return values + tables
 
 
-def tables_of(table: type[Table] = Scene, before: str = "") -> dict[str, str]:
+def tables_of(table: type[Options] = Scene, before: str = "") -> dict[str, str]:
     """Names of the tables, and what each is."""
     found = {}
     for name, field in table.model_fields.items():

@@ -6,10 +6,10 @@ from pydantic import Field, field_validator, model_validator
 
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.utils.messages import shown
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 
 
-class IntergranularStrain(Table):
+class IntergranularStrain(Options):
     """Constants of Niemunis and Herle (1997); the defaults are theirs for Hochstetten sand."""
 
     radius: float = Field(1e-4, ge=1e-7, le=0.01, description="R, largest intergranular strain")
@@ -25,7 +25,7 @@ class IntergranularStrain(Table):
         return self
 
 
-class Sand(Table):
+class Sand(Options):
     """Gudehus-Bauer constants; the defaults are the paper's Karlsruhe sand."""
 
     name: str = Field(

@@ -14,12 +14,12 @@ from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, MOST_PAIRS, WEIGHTS, most_pairs, self_weight
-from taichi_silo.scene.method_options import Shape, Variant
+from taichi_silo.scene.method_options import MethodOptions, Shape
 from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.silo import Silo
 from taichi_silo.scene.symmetry import half_model
 from taichi_silo.utils.messages import shown
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 
 LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of loose sand applies
 MOST_POINTS = 20_000_000
@@ -34,7 +34,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-class Walls(Table):
+class Walls(Options):
     """Side walls; the bottom plate is smooth unless told otherwise."""
 
     kind: Literal["smooth", "very-rough"] = Field(
@@ -55,7 +55,7 @@ class Walls(Table):
         return self
 
 
-class Mesh(Table):
+class Mesh(Options):
     """Background grid and points."""
 
     cell_size_m: float = Field(
@@ -74,7 +74,7 @@ class Mesh(Table):
         return value
 
 
-class Flow(Table):
+class Flow(Options):
     """Outflow: the bottom, or a gate in the outlet, sinks at a speed, or the sand falls out by its weight."""
 
     outflow: Literal["controlled", "gravity"] = Field(
@@ -95,7 +95,7 @@ class Flow(Table):
         return self.outflow == "gravity"
 
 
-class Filling(Table):
+class Filling(Options):
     """How the sand gets into the silo.
 
     gravity-ramp: all of it is in place, and its weight grows (the paper's). layers: one after the other, each with its
@@ -109,7 +109,7 @@ class Filling(Table):
     drop_m: float = Field(0.02, ge=0, le=1000, description="height of fall of rain")
 
 
-class Averaging(Table):
+class Averaging(Options):
     """Non-local mean of the norm of the strain rate in the law's non-linear part."""
 
     characteristic_length_m: float | None = Field(
@@ -153,7 +153,7 @@ class Averaging(Table):
         return kernel, f"Non-locality is active: {apart} {own:.3f}."
 
 
-class Method(Variant):
+class Method(MethodOptions):
     """How it is computed."""
 
     noise_control: Literal["column", "none"] = Field(
@@ -166,7 +166,7 @@ class Method(Variant):
     longest_settling_s: float = Field(1.0, ge=0, le=1e5, description="or 20 column periods, if longer")
 
 
-class Output(Table):
+class Output(Options):
     """What is written, and how often."""
 
     records_per_period: int = Field(10, ge=4, le=100, description="rows of forces.csv in one period of the column")
@@ -178,7 +178,7 @@ class Output(Table):
     )
 
 
-class Machine(Table):
+class Machine(Options):
     """Where it is computed."""
 
     arch: Literal["cpu", "cuda"] = Field("cpu", description="processor, or graphics card of Nvidia")
@@ -212,7 +212,7 @@ class Machine(Table):
             raise BadInput(str(error)) from error
 
 
-class Scene(Table):
+class Scene(Options):
     """A silo, filled with sand that then flows out."""
 
     silo: Silo = Silo()

@@ -14,14 +14,14 @@ from pydantic import Field, model_validator
 
 from taichi_silo.scene import polygons as polygons
 from taichi_silo.scene.inserts import Insert
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 
 MOST_INSERTS = 50
 POINTS_AT_ONCE = 500_000  # of a lattice
 __all__ = ["Hopper", "Insert", "Outlet", "Silo"]
 
 
-class Outlet(Table):
+class Outlet(Options):
     """An opening of the flat floor; without it the whole floor is the outlet."""
 
     width_m: float = Field(ge=1e-4, le=1000, description="of the opening")
@@ -30,7 +30,7 @@ class Outlet(Table):
     )
 
 
-class Hopper(Table):
+class Hopper(Options):
     """Walls that converge towards an outlet, which is as wide as their lower ends are apart."""
 
     half_angle_deg: float = Field(ge=0.1, lt=80, description="of the walls, from the vertical")
@@ -38,7 +38,7 @@ class Hopper(Table):
     friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="that of the side walls if absent")
 
 
-class Silo(Table):
+class Silo(Options):
     """Two parallel walls, or a round one, with what closes it below; forces are per metre run (of the wall's girth)."""
 
     width_m: float = Field(0.2, ge=0.001, le=1000, description="or diameter")

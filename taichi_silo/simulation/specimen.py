@@ -18,7 +18,7 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.solver import Solver
-from taichi_silo.scene.method_options import Variant
+from taichi_silo.scene.method_options import MethodOptions
 
 STEP_SAFETY = 0.9  # of the stable step, which changes within an interval
 
@@ -55,7 +55,7 @@ class Specimen:
     gravity : [m/s2].
     kernel : of the non-local average, or None.
     control : noise control.
-    shape, variant : of the method.
+    shape, options : of the method.
     h : intergranular strain at the start, for a law that remembers.
 
     """
@@ -63,9 +63,9 @@ class Specimen:
     def __init__(
         self, law, void_ratio, *, width_m, height_m, cell_size_m, walls, stress, per_axis=1, ambient_pressure=0.0,
         left_m=0.0, right_m=None, axisymmetric=False, follows="top", periodic=False, gravity=0.0, kernel=None,
-        control: NoiseControl | None = None, shape="ugimp", variant: Variant | None = None, h=(0.0, 0.0, 0.0, 0.0),
+        control: NoiseControl | None = None, shape="ugimp", options: MethodOptions | None = None, h=(0.0,) * 4,
     ):  # fmt: skip
-        self.law, self.gravity, self.variant = law, gravity, variant or Variant()
+        self.law, self.gravity, self.options = law, gravity, options or MethodOptions()
         right_m = left_m if right_m is None else right_m
         geometry = Axisymmetric() if axisymmetric else PlaneStrain()
         grid = Grid(left_m + width_m + right_m, height_m, cell_size_m, threads(), follows, periodic)
@@ -74,7 +74,7 @@ class Specimen:
         shape = SHAPES[shape](0.5 / per_axis)
         e = np.broadcast_to(np.asarray(void_ratio, dtype=float), count)
         volume = spacing**2 * geometry.depth(place[:, 0])
-        self.particles = Particles(count, Particles.extras(law, shape, self.variant.transfer_of_points()))
+        self.particles = Particles(count, Particles.extras(law, shape, self.options.transfer_of_points()))
         state = {
             "position": place,
             "velocity": np.zeros((count, 2)),
@@ -90,7 +90,7 @@ class Specimen:
         self.solver = Solver(
             self.particles, grid, shape, law, walls(grid), control or NoiseControl(),
             averaging=NonLocal(kernel, self.particles, spacing) if kernel else None,
-            setting=Setting(geometry, ambient_pressure), **self.variant.solver_options(),
+            setting=Setting(geometry, ambient_pressure), **self.options.solver_options(),
         )  # fmt: skip
         self.time = self.travel = 0.0
         self.steps = 0
@@ -115,7 +115,7 @@ class Specimen:
 
         """
         solver = self.solver
-        step = self.variant.time_step(solver.survey(), STEP_SAFETY)
+        step = self.options.time_step(solver.survey(), STEP_SAFETY)
         steps = max(1, math.ceil(duration_s / step - 1e-9))
         dt = duration_s / steps
         solver.advance(steps, dt, (self.gravity, self.gravity), (self.speed, speed_m_per_s))

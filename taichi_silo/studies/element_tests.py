@@ -12,7 +12,7 @@ from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.laws.stress_point import StressPoint, wave_speed
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.walls import Glide, Grip, NoSlip, PlaneWall
-from taichi_silo.scene.method_options import Shape, Variant
+from taichi_silo.scene.method_options import MethodOptions, Shape
 from taichi_silo.scene.scene import Sand
 from taichi_silo.simulation.specimen import Specimen
 
@@ -75,7 +75,7 @@ TESTS = {
 }
 
 
-class ElementScene(Variant):
+class ElementScene(MethodOptions):
     """One element test."""
 
     test: Literal[tuple(TESTS)]
@@ -189,7 +189,7 @@ def specimen(scene: ElementScene) -> Specimen:
         stress=(-pressure_Pa, -pressure_Pa, -pressure_Pa, 0.0), ambient_pressure=pressure_Pa if kept else 0.0,
         right_m=size if kept and not test.sheared else 0.0, axisymmetric=test.tied is not None,
         per_axis=PER_AXIS, follows=("surface" if kept else "nothing") if test.sheared else "top", periodic=test.sheared,
-        control=NoiseControl.for_column(4.0 * size / speed), h=start_strain(law), shape=scene.shape, variant=scene,
+        control=NoiseControl.for_column(4.0 * size / speed), h=start_strain(law), shape=scene.shape, options=scene,
     )  # fmt: skip
 
 

@@ -4,13 +4,14 @@ import json
 import sys
 from dataclasses import dataclass
 
-from rich.console import Console
+from rich.console import Console as RichConsole
+from rich.progress import Progress
 
 WIDE = 132  # columns of a table that goes to a file or another program
 
 
 @dataclass(frozen=True)
-class Voice:
+class Console:
     """What is printed where.
 
     Attributes
@@ -24,16 +25,21 @@ class Voice:
     as_json: bool = False
 
     @property
-    def console(self) -> Console:
+    def terminal(self) -> RichConsole:
         """For lines, tables and progress bars; silent where nothing is to be said."""
         stream = sys.stderr if self.as_json else sys.stdout
         width = None if stream.isatty() else WIDE
-        return Console(file=stream, quiet=self.quiet, highlight=False, soft_wrap=True, width=width)
+        return RichConsole(file=stream, quiet=self.quiet, highlight=False, soft_wrap=True, width=width)
+
+    def progress(self) -> Progress:
+        """A progress bar that vanishes at its end; it is drawn on a terminal only."""
+        terminal = self.terminal
+        return Progress(console=terminal, transient=True, disable=self.quiet or not terminal.is_terminal)
 
     def say(self, *lines: str) -> None:
         """Tell a person."""
         for line in lines:
-            self.console.print(line, markup=False)
+            self.terminal.print(line, markup=False)
 
     def result(self, found: dict) -> None:
         """Tell a script, if one listens."""

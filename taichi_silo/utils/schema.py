@@ -18,7 +18,7 @@ RULES = {  # of pydantic's names for what is wrong
 }  # fmt: skip
 
 
-class Table(BaseModel):
+class Options(BaseModel):
     """A group of parameters: frozen, finite, true and false are no numbers, and no unknown names."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -41,9 +41,9 @@ def _takes_truth(annotation) -> bool:
     return annotation in (bool, typing.Any) or any(map(_takes_truth, typing.get_args(annotation)))
 
 
-def table_in(annotation) -> type[Table] | None:
+def table_in(annotation) -> type[Options] | None:
     """The table that a field holds, alone, or in a tuple, or beside None; None if it holds values."""
-    if isinstance(annotation, type) and issubclass(annotation, Table):
+    if isinstance(annotation, type) and issubclass(annotation, Options):
         return annotation
     if typing.get_origin(annotation) in (typing.Union, types.UnionType, tuple, list):
         return next(filter(None, map(table_in, typing.get_args(annotation))), None)
@@ -73,7 +73,7 @@ def _of_first(error: ValidationError) -> str:
     return f"{_short(names)} is {shown(first['input'])}; it must {rule}"
 
 
-def _range(error, names: list[str], table: type[Table] | None) -> str:
+def _range(error, names: list[str], table: type[Options] | None) -> str:
     """The whole range of a number that is beyond one of its ends; empty if something else is wrong."""
     ends = {key: limit for key, limit in error.get("ctx", {}).items() if key in LIMITS}
     field = table.model_fields.get(names[-1]) if ends and table is not None else None
@@ -95,9 +95,9 @@ def _right_count(limits: dict) -> str:
     return f"at least {limits['min_length']}"
 
 
-def _names(title: str, place: tuple) -> tuple[list[str], type[Table] | None]:
+def _names(title: str, place: tuple) -> tuple[list[str], type[Options] | None]:
     """Names and numbers on the way to a place of a table, without the types that were tried there, and its table."""
-    table = next((one for one in _tables(Table) if one.__name__ == title), None)
+    table = next((one for one in _tables(Options) if one.__name__ == title), None)
     names, inside = [], table
     for number, part in enumerate(place):
         fields = inside.model_fields if inside is not None else None
@@ -119,7 +119,7 @@ def _tables(kind: type):
         yield from _tables(one)
 
 
-def _hint(names: list[str], table: type[Table] | None) -> str:
+def _hint(names: list[str], table: type[Options] | None) -> str:
     known = list(table.model_fields) if table is not None else []
     meant = near(names[-1], known, 0.4)
     before = "".join(f"{name}." for name in names[:-1])

@@ -15,7 +15,7 @@ from taichi_silo.runs.session import resume, run
 from taichi_silo.studies.sweep.plan import Sweep
 from taichi_silo.studies.sweep.variations import variation
 from taichi_silo.studies.sweep.whole_sweep import Study
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 from tests.faults.bad import SCENE, command, contents, refusal, refused
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="links need rights of their own on Windows")
@@ -152,7 +152,7 @@ def test_a_sweep_writes_through_no_link(tmp_path, outside, tried):
     for link in ("sweep.csv", "sweep.csv.part", ".sweep", "figures", "figures/forces.png", f"{name}/forces.csv"):
         place = tmp_path / "sweep"
         linked(place, link, outside)
-        assert "is a link" in refusal(lambda place=place: Study(plan, place, Voice(quiet=True)).run())
+        assert "is a link" in refusal(lambda place=place: Study(plan, place, Console(quiet=True)).run())
         assert contents(outside) == before
         shutil.rmtree(place)
     tried("inputs refused", "a link in the folder of a sweep", 6)

@@ -23,7 +23,7 @@ from taichi_silo.studies.sweep.file import of_tables
 from taichi_silo.studies.sweep.progress import Told
 from taichi_silo.studies.sweep.runs import Run
 from taichi_silo.studies.sweep.whole_sweep import TABLE, Study
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 from taichi_silo.utils.file_lock import alone
 
 pytest.importorskip("distributed")
@@ -184,7 +184,7 @@ def test_two_sweeps_do_not_share_an_output(tmp_path, tried):
 
 def study(folder: Path) -> Study:
     tables = {"scene": COARSE, "grid": {"method.cfl": ["default", 0.5, 1.5]}, "cluster": {"jobs": 2}}
-    return Study(of_tables(tables, Path()), folder, Voice(quiet=True))
+    return Study(of_tables(tables, Path()), folder, Console(quiet=True))
 
 
 def test_a_worker_killed_midway_costs_no_run_and_nothing_is_run_twice_without_need(tmp_path, monkeypatch, tried):

@@ -24,7 +24,7 @@ from taichi_silo.studies.sweep.response import PRESSURE, Response
 from taichi_silo.studies.sweep.runs import Run
 from taichi_silo.studies.sweep.table import found, row
 from taichi_silo.studies.sweep.whole_sweep import TABLE, Study
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 from taichi_silo.utils.file_lock import alone
 from taichi_silo.utils.time_left import Tally
 
@@ -231,7 +231,7 @@ def left(run: Run, pressure: float | None) -> None:
 
 
 def study(folder: Path, *texts: str, overwrite: bool = False, **more) -> Study:
-    return Study(of_flags([], list(texts)).model_copy(update=more), folder, Voice(quiet=True), overwrite)
+    return Study(of_flags([], list(texts)).model_copy(update=more), folder, Console(quiet=True), overwrite)
 
 
 def test_what_is_there_is_kept_drawn_and_in_the_table_without_a_cluster(tmp_path):

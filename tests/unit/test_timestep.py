@@ -8,7 +8,7 @@ import pytest
 
 from taichi_silo.mpm.laws import Elastic
 from taichi_silo.mpm.shapes import SHAPES, Linear, UniformGimp
-from taichi_silo.scene.method_options import Variant
+from taichi_silo.scene.method_options import MethodOptions
 from validation.stability.bodies import block, change, solver
 from validation.stability.step_criteria import Criteria
 from validation.stability.time_step import Block
@@ -82,8 +82,8 @@ def test_nearly_empty_cells_break_hat_functions_and_not_gimp():
 
 def test_a_user_may_choose_the_step_in_two_ways():
     found = SimpleNamespace(stable_step=2.0, transit=4.0)
-    assert Variant().time_step(found, 0.9) == pytest.approx(1.8)
-    assert Variant(cfl=0.3).time_step(found, 0.9) == pytest.approx(1.2)
-    assert Variant(time_step_s=0.5).time_step(found, 0.9) == 0.5
+    assert MethodOptions().time_step(found, 0.9) == pytest.approx(1.8)
+    assert MethodOptions(cfl=0.3).time_step(found, 0.9) == pytest.approx(1.2)
+    assert MethodOptions(time_step_s=0.5).time_step(found, 0.9) == 0.5
     with pytest.raises(ValueError, match="cannot be given together"):
-        Variant(cfl=0.3, time_step_s=0.5)
+        MethodOptions(cfl=0.3, time_step_s=0.5)

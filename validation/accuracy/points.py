@@ -27,14 +27,14 @@ from taichi_silo.scene.dotted_paths import OUTSIDE, changed
 from taichi_silo.scene.scene import Machine, Scene
 from taichi_silo.simulation.simulation import Simulation
 from taichi_silo.utils.child_process import given
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 from validation.accuracy.curves import Curves, WallProfile
 
 FORMAT = 1  # of the files; those of another one are made anew
 NUDGE = 1e-12  # of the places at the start, over the spacing: what rounding might do
 
 
-class Point(Table):
+class Point(Options):
     """A run: scene, precision of its numbers, and number of its start perturbation (0: none)."""
 
     scene: Scene

@@ -9,12 +9,12 @@ import math
 from typing import Literal
 
 from taichi_silo.scene.dotted_paths import known
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 
 Settings = dict[str, float | int | str | bool]
 
 
-class Dial(Table):
+class Dial(Options):
     """Something to vary: its name, its settings, and what is learnt from it.
 
     `accuracy`: error against cost; `speed`: whether the residual forces have a limit as the bottom slows.
@@ -25,7 +25,7 @@ class Dial(Table):
     purpose: Literal["accuracy", "speed"] = "accuracy"
 
 
-class Program(Table):
+class Program(Options):
     """What a chart runs: the base of all dials, the reference of all errors, and the dials."""
 
     base: Settings

@@ -68,7 +68,7 @@ class Biaxial:
             law, e, width_m=scene.width_m, height_m=scene.height_m, cell_size_m=h, per_axis=per_axis,
             walls=walls, stress=stress,
             ambient_pressure=p, left_m=left, gravity=gravity, kernel=kernel,
-            control=control, shape=scene.shape, variant=scene, h=start_strain(law),
+            control=control, shape=scene.shape, options=scene, h=start_strain(law),
         )  # fmt: skip
         self.left, self.initial_void_ratio = left, e
 

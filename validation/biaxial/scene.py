@@ -5,11 +5,11 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from taichi_silo.scene.method_options import Shape, Variant
+from taichi_silo.scene.method_options import MethodOptions, Shape
 from taichi_silo.scene.scene import MOST_POINTS, Averaging, Machine, Sand
 
 
-class BiaxialScene(Variant):
+class BiaxialScene(MethodOptions):
     """A specimen between two smooth plates, in a fluid under pressure; the upper plate goes down."""
 
     sand: Sand = Sand(void_ratio=0.55)

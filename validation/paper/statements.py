@@ -7,14 +7,14 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 from validation.paper.cases import CASES
 
 FILE = Path(__file__).with_name("statements.toml")
 Kind = Literal["number", "relation", "figure", "not checkable here"]
 
 
-class Term(Table):
+class Term(Options):
     """What a measured number is divided by, or what is taken from it; what is not given is as in the number itself.
 
     Attributes
@@ -36,7 +36,7 @@ class Term(Table):
         return self.case or case
 
 
-class Test(Table):
+class Test(Options):
     """One number a case, and the range in which it agrees with the paper.
 
     Attributes
@@ -71,14 +71,14 @@ class Test(Table):
         return tuple(term for term in (self.over, self.minus) if term is not None)
 
 
-class Tolerance(Table):
+class Tolerance(Options):
     """How far a number may lie outside the range and still agree (share of the range's end), and why."""
 
     share: float = Field(ge=0, lt=1)
     why: str
 
 
-class Statement(Table):
+class Statement(Options):
     """One statement of the paper.
 
     Attributes

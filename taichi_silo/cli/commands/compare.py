@@ -6,7 +6,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 
 FoldersArgument = Annotated[list[Path], Argument(metavar="DIR", help="runs; the others are set against the first")]
 JanssenFlag = Annotated[bool, Option("--janssen", help="add Janssen's theory to figures and tables")]
@@ -46,17 +46,17 @@ def compare(
     from taichi_silo.studies.compare import show
     from taichi_silo.studies.compare.whole import compared
 
-    voice = Voice(quiet=quiet, as_json=json)
+    console = Console(quiet=quiet, as_json=json)
     found = compared(folders, output, janssen=janssen, paper=paper, csv=csv or [])
     tables = [show.differences(found.differences)] if len(found.runs) > 1 else []
     tables += [] if found.janssen is None else [show.janssen(found.janssen)]
     if found.deviations is not None:
         tables += [show.deviations(rows) for _, rows in found.deviations.groupby("file", sort=False)]
     for table in tables:
-        voice.console.print(table)
+        console.terminal.print(table)
     for one in found.paper:
         if one.known.case is not None:
-            voice.console.print(show.paper(one))
-        voice.say(*show.paper_words(one))
-    voice.say("", f"The comparison is in {output}: {', '.join(file.name for file in found.files)}")
-    voice.result(found.as_json())
+            console.terminal.print(show.paper(one))
+        console.say(*show.paper_words(one))
+    console.say("", f"The comparison is in {output}: {', '.join(file.name for file in found.files)}")
+    console.result(found.as_json())

@@ -18,14 +18,14 @@ def doctor(
     Ends with exit code 1 if something that every run needs is missing. Takes some ten seconds.
     """
     from taichi_silo.cli.doctor import examine
-    from taichi_silo.utils.console import Voice
+    from taichi_silo.utils.console import Console
 
-    voice = Voice(quiet, json)
+    console = Console(quiet, json)
     found = []
     for finding in examine(output.expanduser()):
         found.append(finding)
         mark = {True: "ok", None: "--", False: "NO"}[finding.good]
-        voice.say(f"{mark}  {finding.what:22s} {finding.words}")
-    voice.result({finding.what: {"good": finding.good, "words": finding.words} for finding in found})
+        console.say(f"{mark}  {finding.what:22s} {finding.words}")
+    console.result({finding.what: {"good": finding.good, "words": finding.words} for finding in found})
     if any(finding.good is False for finding in found):
         raise typer.Exit(1)

@@ -6,7 +6,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 
 
 def command(
@@ -27,8 +27,6 @@ def command(
 
     taichi-silo export outputs/silo --format csv --output tables
     """
-    from rich.progress import Progress
-
     from taichi_silo.errors import BadInput
     from taichi_silo.runs.history import History
     from taichi_silo.runs.run_folder import no_link, writable
@@ -39,7 +37,7 @@ def command(
     formats = {"vtkhdf": (vtkhdf.write, "silo.vtkhdf"), "csv": (tables.write, "csv")}
     if kind not in formats:
         raise BadInput(f"format is {kind}; it must be one of {', '.join(formats)}")
-    voice, history = Voice(quiet, json), History.read(folder)
+    console, history = Console(quiet, json), History.read(folder)
     write, name = formats[kind]
     target = place(output, "output") if output else history.folder / name
     there = any(target.glob("*")) if target.is_dir() else target.exists()
@@ -49,7 +47,7 @@ def command(
         raise BadInput(f"output is {target}; it must be a {'folder' if kind == 'csv' else 'file'} for {kind}")
     no_link(target, target.with_name(f"{target.name}.part"), *(target.glob("*.csv") if target.is_dir() else ()))
     writable(target.parent)
-    with Progress(console=voice.console, transient=True, disable=quiet or not voice.console.is_terminal) as progress:
+    with console.progress() as progress:
         task = progress.add_task("writing", total=len(history.index))
         try:
             with as_left(history.folder):
@@ -58,5 +56,5 @@ def command(
             raise of_file(error, target) from error
     files = [target] if target.is_file() else [*target.glob("*.csv")]
     size = sum(file.stat().st_size for file in files)
-    voice.say(f"{target}  {count} states, {size / 1e6:.3g} MB")
-    voice.result({"output": str(target), "format": kind, "states": count, "bytes": size})
+    console.say(f"{target}  {count} states, {size / 1e6:.3g} MB")
+    console.result({"output": str(target), "format": kind, "states": count, "bytes": size})

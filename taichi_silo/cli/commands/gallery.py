@@ -6,7 +6,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 
 
 def command(
@@ -22,20 +22,18 @@ def command(
 
     taichi-silo gallery outputs --output outputs/gallery_page
     """
-    from rich.progress import Progress
-
     from taichi_silo.errors import BadInput
     from taichi_silo.runs.run_folder import writable
     from taichi_silo.show.gallery import page
     from taichi_silo.utils.bounded_reading import place
 
-    voice, root = Voice(quiet, json), place(folder, "folder")
+    console, root = Console(quiet, json), place(folder, "folder")
     if not root.is_dir():
         raise BadInput(f"folder is {folder}; it must be a folder that holds runs")
     target = place(output, "output") if output else root / "gallery_page"
-    with Progress(console=voice.console, transient=True, disable=quiet or not voice.console.is_terminal) as progress:
+    with console.progress() as progress:
         task = progress.add_task("looking", total=None)
         entries = page.gather(root, target, lambda done, count: progress.update(task, completed=done, total=count))
     file = page.write(entries, writable(target), title)
-    voice.say(f"{file}  {len(entries)} runs, {file.stat().st_size / 1e6:.2g} MB")
-    voice.result({"page": str(file), "runs": [one.name for one in entries]})
+    console.say(f"{file}  {len(entries)} runs, {file.stat().st_size / 1e6:.2g} MB")
+    console.result({"page": str(file), "runs": [one.name for one in entries]})

@@ -1,7 +1,7 @@
 """`taichi-silo list`."""
 
 from taichi_silo.cli.output_flags import JsonFlag
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 
 
 def command(json: JsonFlag = False) -> None:
@@ -12,9 +12,9 @@ def command(json: JsonFlag = False) -> None:
     from taichi_silo.scene import sands
 
     found, published = catalogue.scenarios(), sands.published()
-    voice = Voice(as_json=json)
+    console = Console(as_json=json)
     if json:
-        voice.result({"scenarios": found, "sands": {name: sand["title"] for name, sand in published.items()}})
+        console.result({"scenarios": found, "sands": {name: sand["title"] for name, sand in published.items()}})
         return
     for title, rows in (
         ("taichi-silo run SCENARIO", found),
@@ -25,5 +25,5 @@ def command(json: JsonFlag = False) -> None:
         table.add_column()
         for name, words in rows.items():
             table.add_row(name, words)
-        voice.console.print(table)
-        voice.say("")
+        console.terminal.print(table)
+        console.say("")

@@ -6,7 +6,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 
 LONGEST_S = 600.0  # of a film
 PASSING = (  # names of what is written before a film or picture gets its own
@@ -58,14 +58,14 @@ def command(
 
     known(field)
     _check(seconds, speed, fps, frame)
-    look, voice = renderer.Look(field, _limits(limits), _size(size)), Voice(quiet, json)
+    look, console = renderer.Look(field, _limits(limits), _size(size)), Console(quiet, json)
     history = History.read(folder)
     try:
         with as_left(history.folder):
             if frame is None:
                 shown = _moments(history, seconds, speed, fps)
                 file = _free(output or history.folder / f"{field}.mp4", ".mp4", overwrite)
-                drawn = renderer.film(history, file, _tracked(shown, field, voice), look, fps)
+                drawn = renderer.film(history, file, _tracked(shown, field, console), look, fps)
                 found = {"film": str(file), "frames": len(shown), "seconds": len(shown) / fps}
             else:
                 number, unit = _number(history, frame)
@@ -78,8 +78,8 @@ def command(
         raise MachineFailed(f"{file} could not be drawn: {error}; see to that, and give the command again") from error
     scale = drawn.scale
     ends = "" if isinstance(scale.colours, tuple) else f", {scale.low:g} to {scale.high:g}"
-    voice.say(f"{file}  {scale.label}{ends}")
-    voice.result(found | {"field": field, "range": [scale.low, scale.high], "size": list(look.size)})
+    console.say(f"{file}  {scale.label}{ends}")
+    console.result(found | {"field": field, "range": [scale.low, scale.high], "size": list(look.size)})
 
 
 def _moments(history, seconds: float | None, speed: float | None, fps: int) -> list:
@@ -119,12 +119,12 @@ def _free(file: Path, suffix: str, overwrite: bool) -> Path:
     return file
 
 
-def _tracked(shown: list, field: str, voice: Voice):
+def _tracked(shown: list, field: str, console: Console):
     """The moments, with a progress bar where there is a terminal."""
     from rich.progress import track
 
-    console = voice.console
-    silent = voice.quiet or not console.is_terminal
+    console = console.terminal
+    silent = console.quiet or not console.is_terminal
     return track(shown, f"drawing {field}", console=console, transient=True, disable=silent)
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 
 
 def report(
@@ -24,7 +24,7 @@ def report(
     """
     from taichi_silo.show.report.page import write_report
 
-    voice = Voice(quiet=quiet, as_json=json)
+    console = Console(quiet=quiet, as_json=json)
     page = write_report(folder, output)
-    voice.say(f"The report is {page} ({page.stat().st_size / 1e6:.1f} MB); open it in a browser.")
-    voice.result({"report": str(page), "bytes": page.stat().st_size})
+    console.say(f"The report is {page} ({page.stat().st_size / 1e6:.1f} MB); open it in a browser.")
+    console.result({"report": str(page), "bytes": page.stat().st_size})

@@ -6,7 +6,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 
 
 def resume(
@@ -28,9 +28,9 @@ def resume(
     from taichi_silo.runs.run_folder import finished
     from taichi_silo.runs.session import resume as go_on
 
-    voice = Voice(quiet, json)
+    console = Console(quiet, json)
     if finished(folder.expanduser()):
-        voice.say(f"The run in {folder} is finished; there is nothing to go on with.")
+        console.say(f"The run in {folder} is finished; there is nothing to go on with.")
     else:
-        go_on(folder, threads=threads, film=None if film else False, extra=(ProgressLine(voice.console),))
-    tell(folder.expanduser(), voice)
+        go_on(folder, threads=threads, film=None if film else False, extra=(ProgressLine(console.terminal),))
+    tell(folder.expanduser(), console)

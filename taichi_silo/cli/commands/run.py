@@ -86,21 +86,21 @@ def scene_file(
     from taichi_silo.cli import command_line
     from taichi_silo.runs.run_folder import free_name, named
     from taichi_silo.scene.scene_files import read_scene
-    from taichi_silo.utils.console import Voice
+    from taichi_silo.utils.console import Console
 
-    voice = Voice(quiet, json)
+    console = Console(quiet, json)
     wanted = read_scene(scene, change or ())
     if explain:
         command_line.explain(wanted)
         return
     if check:
-        voice.say(f"{scene} is a possible scene: {wanted.points:,} points, {wanted.weight_N_per_m:.4g} N/m of sand")
-        voice.result({"scene": wanted.model_dump(mode="json"), "points": wanted.points})
+        console.say(f"{scene} is a possible scene: {wanted.points:,} points, {wanted.weight_N_per_m:.4g} N/m of sand")
+        console.result({"scene": wanted.model_dump(mode="json"), "points": wanted.points})
         return
     from taichi_silo.runs.observers.progress import ProgressLine
     from taichi_silo.runs.session import run as simulate
 
     folder = output.expanduser() if output else free_name(Path("outputs") / named(scene))
-    voice.say(f"The run goes to {folder}.")
-    left = simulate(wanted, folder, overwrite=overwrite, film=film, extra=(ProgressLine(voice.console),))
-    command_line.tell(left, voice)
+    console.say(f"The run goes to {folder}.")
+    left = simulate(wanted, folder, overwrite=overwrite, film=film, extra=(ProgressLine(console.terminal),))
+    command_line.tell(left, console)

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 
 
 def sweep(
@@ -58,20 +58,20 @@ def sweep(
     from taichi_silo.studies.sweep.file import wanted
     from taichi_silo.studies.sweep.whole_sweep import Study
 
-    voice = Voice(quiet, json)
+    console = Console(quiet, json)
     flags = {"fidelity": fidelity, "film": film, "jobs": jobs, "scheduler": scheduler, "slurm": slurm}
     plan = wanted(file, scene or [], vary or [], flags)
     if not estimate:
         plan.cluster.check()
-    study = Study(plan, output or Path("outputs") / (named(file) if file else "sweep"), voice, overwrite)
+    study = Study(plan, output or Path("outputs") / (named(file) if file else "sweep"), console, overwrite)
     if estimate:
         costs = study.estimate()
         seconds = {name: cost.core_seconds for name, cost in costs.items()}
-        voice.result({"runs": len(study.runs), "missing": list(study.missing), "core_seconds": seconds})
+        console.result({"runs": len(study.runs), "missing": list(study.missing), "core_seconds": seconds})
         return
     study.run()
-    voice.say(*map(str, study.left))
-    voice.result(study.result)
+    console.say(*map(str, study.left))
+    console.result(study.result)
     if study.failures:
         name, why = next(iter(study.failures.items()))
         raise RunFailed(f"in {len(study.failures)} of {len(study.missing)} runs, the first being '{name}': {why}")

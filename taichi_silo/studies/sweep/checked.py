@@ -6,9 +6,9 @@ from pydantic import ValidationError
 
 from taichi_silo.errors import BadInput
 from taichi_silo.utils.messages import near, shown
-from taichi_silo.utils.schema import Table, one_sentence
+from taichi_silo.utils.schema import Options, one_sentence
 
-Kind = TypeVar("Kind", bound=Table)
+Kind = TypeVar("Kind", bound=Options)
 
 
 def checked(kind: type[Kind], given: dict, before: str = "") -> Kind:

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from taichi_silo.errors import BadInput
 from taichi_silo.scene.scene import cores
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 
 LOST_S = 120  # within which a worker that died must be back; on a busy machine its start takes a while
 ANSWER_S = 20  # within which a scheduler must answer
@@ -19,7 +19,7 @@ WORKER = "taichi_silo.studies.sweep.ignore_interrupts"  # what each worker of ou
 NEEDED = "a sweep needs taichi-silo[cluster], which brings dask.distributed: pip install 'taichi-silo[cluster]'"
 
 
-class Local(Table):
+class Local(Options):
     """Workers on this machine, one a core, that nobody can reach from outside of it."""
 
     kind: Literal["local"] = "local"
@@ -51,7 +51,7 @@ class Local(Table):
         )  # fmt: skip
 
 
-class Slurm(Table):
+class Slurm(Options):
     """Jobs of Slurm, in each of which `cores` runs are done at a time; the output must be on a shared file system."""
 
     kind: Literal["slurm"] = "slurm"
@@ -105,7 +105,7 @@ class Slurm(Table):
         )  # fmt: skip
 
 
-class Scheduler(Table):
+class Scheduler(Options):
     """The workers of a scheduler of dask; they must have taichi_silo, and the output on a shared file system."""
 
     kind: Literal["scheduler"] = "scheduler"

@@ -11,12 +11,12 @@ from scipy.stats import qmc
 from taichi_silo.studies.sweep.checked import checked
 from taichi_silo.studies.sweep.variations import MOST_RUNS
 from taichi_silo.utils.messages import shown
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 
 DIGITS = 6  # of values without a step, as many as the table shows
 
 
-class Span(Table):
+class Span(Options):
     """From `low` to `high`, both included; in steps from `low` on, such as whole cells, if a step is given."""
 
     low: float
@@ -53,7 +53,7 @@ class Span(Table):
         return self.low + part * (self.high - self.low)
 
 
-class Choices(Table):
+class Choices(Options):
     """One of some values, each with the same share."""
 
     choices: tuple[Any, ...] = Field(min_length=2)
@@ -63,7 +63,7 @@ class Choices(Table):
         return self.choices[min(int(part * len(self.choices)), len(self.choices) - 1)]
 
 
-class LatinHypercube(Table):
+class LatinHypercube(Options):
     """What varies between what, how often, and the seed of the draw."""
 
     runs: int = Field(ge=2, le=MOST_RUNS)

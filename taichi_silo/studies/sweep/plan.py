@@ -14,10 +14,10 @@ from taichi_silo.studies.sweep.hypercube import LatinHypercube
 from taichi_silo.studies.sweep.response import Response
 from taichi_silo.studies.sweep.variations import Variation, bases, made, product, refuse, scenes
 from taichi_silo.utils.messages import shown
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 
 
-class Sweep(Table):
+class Sweep(Options):
     """All of it.
 
     Attributes

@@ -5,13 +5,13 @@ from collections.abc import Iterable
 from taichi_silo.errors import BadInput
 from taichi_silo.studies.sweep.table import found
 from taichi_silo.utils.messages import near, shown
-from taichi_silo.utils.schema import Table
+from taichi_silo.utils.schema import Options
 
 PRESSURE = "largest_wall_normal_stress_pressure_cell_Pa"
 NO_NUMBERS = ("flow_pattern",)
 
 
-class Response(Table):
+class Response(Options):
     """Columns of the sweep's table.
 
     Attributes

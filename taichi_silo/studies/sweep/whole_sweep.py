@@ -13,7 +13,7 @@ from taichi_silo.studies.sweep.progress import Told
 from taichi_silo.studies.sweep.runs import Run, costs
 from taichi_silo.studies.sweep.variations import SAND, differences, used
 from taichi_silo.utils.bounded_reading import place
-from taichi_silo.utils.console import Voice
+from taichi_silo.utils.console import Console
 from taichi_silo.utils.file_lock import alone
 from taichi_silo.utils.time_left import Tally
 
@@ -31,14 +31,14 @@ class Study:
     ----------
     sweep : what is wanted.
     folder : of the runs, the table and the figures.
-    voice : that tells it.
+    console : that tells it.
     overwrite : whether what is there is run anew.
 
     """
 
     sweep: Sweep
     folder: Path
-    voice: Voice
+    console: Console
     overwrite: bool = False
     failures: dict[str, str] = field(default_factory=dict, init=False)
 
@@ -67,16 +67,18 @@ class Study:
         seconds = {name: cost.core_seconds + START_S for name, cost in expected.items()}
         for name in sorted(expected, key=lambda name: -seconds[name]):
             cost = expected[name]
-            self.voice.say(f"{name:60s} {cost.points:9,} points {cost.steps:12,} steps {cost.core_seconds:9.3g} core-s")
+            self.console.say(
+                f"{name:60s} {cost.points:9,} points {cost.steps:12,} steps {cost.core_seconds:9.3g} core-s"
+            )
         whole, at_once = sum(seconds.values()), self.sweep.cluster.at_once
         words = f"{len(self.runs) - len(self.missing)} runs are there, {len(self.missing)} to do"
         if not expected:
-            self.voice.say(words)
+            self.console.say(words)
         elif at_once is None:
-            self.voice.say(f"{words}: about {whole / 3600.0:.3g} core-hours")
+            self.console.say(f"{words}: about {whole / 3600.0:.3g} core-hours")
         else:
             minutes = max(whole / at_once, max(seconds.values(), default=0.0)) / 60.0
-            self.voice.say(f"{words}: about {minutes:.1f} minutes on {min(at_once, len(self.runs))} cores")
+            self.console.say(f"{words}: about {minutes:.1f} minutes on {min(at_once, len(self.runs))} cores")
         return expected
 
     def run(self) -> None:
@@ -133,7 +135,7 @@ class Study:
         seconds = {name: expected[name].core_seconds + START_S for name in self.missing}
         with client_of(self.sweep.cluster, self.folder, len(self.missing), self.sweep.retries) as client:
             jobs = self.sweep.cluster.at_once or max(sum(client.ncores().values()), 1)
-            with Told(self.voice.console, Tally(seconds, jobs)) as told:
+            with Told(self.console.terminal, Tally(seconds, jobs)) as told:
 
                 def ended(name: str, trouble: str) -> None:
                     self._ended(name, trouble)

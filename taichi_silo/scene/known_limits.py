@@ -9,7 +9,7 @@ from taichi_silo.scene.scene import Scene
 NOISY = ("apic", "gradient", "xpic", "blend", "pic")
 
 
-def weaknesses(scene: Scene) -> list[str]:
+def known_limits(scene: Scene) -> list[str]:
     """One sentence for each choice that is known to fail somewhere."""
     method, found = scene.method, []
     if scene.grid.shape == "linear":
