@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper paper-check docs docs-serve test test-long bench parts endurance lint clean
+.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper paper-check docs docs-serve test test-long bench parts endurance lint types clean
 
 setup: $(READY)
 
@@ -101,6 +101,11 @@ endurance: $(READY)
 
 lint: $(READY)
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+# types of the package (settings in pyproject.toml)
+types: $(READY)
+	$(BIN)/mypy
 
 clean:
 	rm -rf $(VENV) build site *.egg-info

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import command_line
+import house
 import python_names
 from mkdocs.structure.files import File
 
@@ -63,6 +64,7 @@ def sands() -> str:
 
 
 PARTS = {
+    "architecture": house.picture,
     "scene": scene, "sands": sands, "commands": command_line.commands, "scenarios": command_line.scenarios,
     "python": python_names.names,
 }  # fmt: skip
