@@ -70,7 +70,7 @@ def intergranular_strain(scene: Scene) -> Part:
         because = f"As asked for: {sand.law}."
     elif flow.turns_back:
         because = f"Strain turns back, and sand is then {sand.intergranular.m_R:g} times as stiff (m_R)."
-    elif not scene.silo.sinks:
+    elif not scene.silo.floor_is_outlet:
         because = (
             f"The gate lets the sand go one way, at {1e3 * flow.speed_m_per_s:g} mm/s; only free outflow turns strain "
             "back."
@@ -173,7 +173,7 @@ def empty_nodes(scene: Scene) -> Part:
 def sand_at_rest(scene: Scene) -> Part:
     """Nothing rests above a bottom that sinks as a whole; beside an outlet sand does, but waves cross it."""
     because = f"0 of {scene.points} points rest: the whole fill sinks with the bottom."
-    if not scene.silo.sinks:
+    if not scene.silo.floor_is_outlet:
         left, right = scene.silo.outlet_m
         because = (
             f"Sand beside the outlet of {1e3 * (right - left):g} mm may rest, but it carries what moves: its stress "

@@ -263,10 +263,10 @@ class Scene(Options):
                 )
         if silo.section == "round" and round(silo.width_m / h) % 2:
             raise ValueError(f"cell size is {h} m; it must divide the radius of {0.5 * silo.width_m} m of a round silo")
-        if flow.outflow == "gravity" and silo.sinks:
+        if flow.outflow == "gravity" and silo.floor_is_outlet:
             raise ValueError("outflow is gravity; the silo needs an outlet or a hopper that sand can fall out of")
         most = silo.area_m2 / silo.outlet_share_m
-        if silo.sinks and flow.displacement_m > silo.height_m:
+        if silo.floor_is_outlet and flow.displacement_m > silo.height_m:
             raise ValueError(
                 f"displacement is {flow.displacement_m} m; it must be at most the height of {silo.height_m} m"
             )
@@ -294,7 +294,7 @@ class Scene(Options):
         """Number of material points; of a round silo those of its section from wall to wall."""
         d, silo = self.spacing_m, self.silo
         columns, rows = round(silo.width_m / d), round(silo.height_m / d)
-        if silo.sinks or columns * rows > MOST_POINTS:
+        if silo.floor_is_outlet or columns * rows > MOST_POINTS:
             return columns * rows
         return silo.points(d)
 

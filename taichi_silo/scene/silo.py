@@ -163,7 +163,7 @@ class Silo(Options):
     # --- what follows from it -------------------------------------------------------------------------------------
 
     @property
-    def sinks(self) -> bool:
+    def floor_is_outlet(self) -> bool:
         """Whether the whole floor is the outlet, and the grid sinks with it."""
         return self.outlet is None and self.hopper is None and self.outline_m is None and not self.inserts
 

@@ -48,7 +48,7 @@ def half_model(scene) -> tuple[bool, str]:
             "The whole silo is computed: shear zones at very rough walls amplify round-off, and P, T, N of half and "
             f"whole differ by up to {100.0 * SCATTER:.2g} % of the weight."
         )
-    if not scene.silo.sinks:
+    if not scene.silo.floor_is_outlet:
         return False, "The whole silo is computed: flow to an outlet need not be symmetric, though silo and sand are."
     slenderness = scene.silo.height_m / scene.silo.width_m
     if slenderness > SLENDER:

@@ -101,7 +101,7 @@ class Section:
 def headroom(scene) -> float:
     """Height of the grid above the fill [m]."""
     h, room = scene.grid.cell_size_m, HEADROOM * scene.silo.height_m
-    if scene.silo.sinks:
+    if scene.silo.floor_is_outlet:
         room = max(room, scene.flow.displacement_m)
     if scene.filling.kind == "rain":
         room = max(room, scene.filling.drop_m)
@@ -116,7 +116,7 @@ def rows_of_cells(scene) -> int:
 def grid_of(scene, section: Section, copies: int) -> Grid:
     """The grid: it sinks with the bottom where all of that sinks, else it stands still."""
     h = scene.grid.cell_size_m
-    follows = "bottom" if scene.silo.sinks else "nothing"
+    follows = "bottom" if scene.silo.floor_is_outlet else "nothing"
     return Grid(section.width, rows_of_cells(scene) * h, h, copies=copies, follows=follows)
 
 
@@ -160,7 +160,7 @@ def walls_of(scene, section: Section, grid: Grid) -> tuple:
     )
     plate = Coulomb(scene.walls.bottom_friction_angle_deg)
     floor = grid.node_along(0.0)
-    if silo.sinks:
+    if silo.floor_is_outlet:
         return (*sides, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0)))
     first, last = _edges(scene, section, grid)
     return (*sides, OpenFloor(floor, first, last, plate), Gate(floor, first, last, plate))

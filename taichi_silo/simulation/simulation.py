@@ -103,7 +103,7 @@ class Simulation:
         if why := self.solver.distrust:
             slower = "Steps take two to four times as long."
             self.warnings.append(f"The processor's vector unit is not used: {why}. {slower}")
-        self.ledger = None if scene.silo.sinks else Ledger(self.particles, -EXIT * scene.grid.cell_size_m)
+        self.ledger = None if scene.silo.floor_is_outlet else Ledger(self.particles, -EXIT * scene.grid.cell_size_m)
         self.solver.advance(0, 1.0)  # compiles
 
     def _begin(self) -> None:
@@ -258,7 +258,7 @@ class Simulation:
         `lift` is the change of mass times height in the grid, `push` the vertical force of what moves.
         """
         way = 0.5 * (plate_velocity[0] + plate_velocity[1]) * duration  # upwards
-        if self.scene.silo.sinks:
+        if self.scene.silo.floor_is_outlet:
             lift += held * way
         if plate_velocity[0] <= OPENED:
             way = 0.0  # nothing presses on an open gate
@@ -266,7 +266,7 @@ class Simulation:
 
     def _stands(self, reaction: np.ndarray) -> float:
         """Vertical impulse of the floor beside a gate, which stands [N s/m]."""
-        if self.scene.silo.sinks:
+        if self.scene.silo.floor_is_outlet:
             return 0.0
         floor = np.zeros_like(reaction)
         floor[BOTTOM] = reaction[BOTTOM]
@@ -296,7 +296,7 @@ class Simulation:
     @property
     def origin_m(self) -> float:
         """Height of the grid's origin in the laboratory [m]."""
-        return -self.displacement if self.scene.silo.sinks else 0.0
+        return -self.displacement if self.scene.silo.floor_is_outlet else 0.0
 
     def points(self) -> dict[str, np.ndarray]:
         """All fields of the points of the whole silo as arrays.

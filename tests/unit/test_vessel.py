@@ -62,10 +62,10 @@ def test_an_outlet_stands_where_it_was_put(position, edges):
 
 
 def test_a_silo_without_anything_sinks_as_a_whole_and_one_with_something_does_not():
-    assert Silo().sinks
-    assert not Silo(outlet=Outlet(width_m=0.08)).sinks
-    assert not Silo(hopper=Hopper(half_angle_deg=20, outlet_width_m=0.08)).sinks
-    assert not Silo(inserts=(Insert(kind="roof", width_m=0.06, bottom_m=0.1),)).sinks
+    assert Silo().floor_is_outlet
+    assert not Silo(outlet=Outlet(width_m=0.08)).floor_is_outlet
+    assert not Silo(hopper=Hopper(half_angle_deg=20, outlet_width_m=0.08)).floor_is_outlet
+    assert not Silo(inserts=(Insert(kind="roof", width_m=0.06, bottom_m=0.1),)).floor_is_outlet
 
 
 ROOF = {"kind": "roof", "width_m": 0.06, "bottom_m": 0.1}

@@ -59,7 +59,7 @@ def _steady_measures(flow: pd.DataFrame, simulation) -> dict:
     rigid = 0.5 * simulation.mass * simulation.scene.flow.speed_m_per_s**2
     energy = steady.kinetic_energy_J_per_m / rigid
     moving = {}
-    if simulation.scene.silo.sinks:  # else the sand does not move as one body
+    if simulation.scene.silo.floor_is_outlet:  # else the sand does not move as one body
         moving["kinetic_energy_over_rigid_motion"] = [float(energy.min()), float(energy.max())]
     return moving | {
         "noise_of_normal_force": noise(steady.normal_N_per_m, steady.interval_s, MEAN_SPAN_PERIODS * period),

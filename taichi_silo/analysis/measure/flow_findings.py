@@ -39,7 +39,7 @@ def flow_findings(filled: dict, before: dict, now: dict, scene) -> dict:
             "stagnant_area_share": pattern.stagnant_area_share,
             "between_s": [before["time_s"], now["time_s"]],
         }
-    if outflow > 0.0 and not silo.sinks:  # sand on a bottom that sinks as a whole stays on it
+    if outflow > 0.0 and not silo.floor_is_outlet:  # sand on a bottom that sinks as a whole stays on it
         stay = residence(place, velocity, volume, silo.width_m, outflow, silo.outlet_m)
         found["residence"] = {
             "plug_time_s": stay.plug_time_s,

@@ -239,7 +239,7 @@ def x_axis(panel, group):
         panel.set_xlim(left=0.0)
     else:
         last = max(run.flow["displacement_m"].max() for run in group if not run.flow.empty)
-        what = "bottom" if all(run.silo.sinks for run in group) else "outlet"
+        what = "bottom" if all(run.silo.floor_is_outlet for run in group) else "outlet"
         panel.set_xlabel(f"displacement u of the {what} (mm)")
         if last > 0.0:
             panel.set_xlim(0.0, 1e3 * last)

@@ -28,7 +28,7 @@ def picture(scene, scale: Scale, size: tuple[int, int] = SIZE, course: Course | 
         scale=scale,
         title=title(scene),
         course=course or course_of(scene),
-        solids=None if silo.sinks else floors(silo) + silo.solids(),
+        solids=None if silo.floor_is_outlet else floors(silo) + silo.solids(),
         size=size,
     )
 
@@ -37,7 +37,7 @@ def course_of(scene) -> Course:
     """What the curves are drawn against."""
     if scene.flow.outflow == "gravity":
         return Course(scene.flow.longest_s, "time since the outlet opened (s)", "open since", "s", 1.0)
-    if scene.silo.sinks:
+    if scene.silo.floor_is_outlet:
         return Course(scene.flow.displacement_m)
     return Course(scene.flow.displacement_m, "displacement u of the outlet (mm)")
 

@@ -113,9 +113,9 @@ def _floor(sheet: Sheet, run: RunFiles) -> None:
     if run.free:
         said = "opened, sand falls out"
     elif speed and depth:
-        said = f"{'bottom' if silo.sinks else 'gate'}: {mm(depth)} at {1e3 * speed:g} mm/s"
+        said = f"{'bottom' if silo.floor_is_outlet else 'gate'}: {mm(depth)} at {1e3 * speed:g} mm/s"
     else:
-        said = "bottom sinks" if silo.sinks else "gate sinks"
+        said = "bottom sinks" if silo.floor_is_outlet else "gate sinks"
     half = 3.6 * len(said)  # of the text, about
     sheet.words(min(max(x, half), sheet.size[0] - half), sheet.size[1] - 10.0, said)
 
@@ -126,7 +126,7 @@ def _dimensions(sheet: Sheet, silo: Silo) -> None:
     (x0, y0), (x1, _) = sheet.at(0.0, 0.0), sheet.at(wide, 0.0)
     sheet.dimension((x0, top), (x1, top), f"{'⌀ ' if silo.section == 'round' else ''}{mm(wide)}")
     sheet.dimension((x0 - 26.0, sheet.at(0.0, high)[1]), (x0 - 26.0, y0), mm(high))
-    if not silo.sinks:
+    if not silo.floor_is_outlet:
         left, right = (sheet.at(x, 0.0)[0] for x in silo.outlet_m)
         sheet.dimension((left, y0 + 52.0), (right, y0 + 52.0), mm(silo.outlet_m[1] - silo.outlet_m[0]))
     level = sheet.at(0.0, silo.transition_m)[1]

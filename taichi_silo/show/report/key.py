@@ -37,7 +37,7 @@ def _stress(run: RunFiles) -> Card | None:
     largest = largest_of_all(run)
     if largest is None:
         return None
-    foot = "outlet" if run.silo.hopper else "initial bottom" if run.silo.sinks else "floor"
+    foot = "outlet" if run.silo.hopper else "initial bottom" if run.silo.floor_is_outlet else "floor"
     when = STATES.get(largest.state) or f"in flow at u = {mm(largest.displacement_m, 3)}"
     words = (
         f"{largest.wall} wall, {mm(largest.height_m, 3)} above the {foot}, {when}; as a pressure "
@@ -64,7 +64,7 @@ def _hopper(run: RunFiles) -> Card | None:
 def _forces(run: RunFiles) -> list[Card]:
     forces = forces_of(run)
     weight = run.summary.get("weight_N_per_m")
-    below = "bottom" if run.silo.sinks else "outlet" if run.silo.hopper else "floor and outlet"
+    below = "bottom" if run.silo.floor_is_outlet else "outlet" if run.silo.hopper else "floor and outlet"
     names = {"N": "Wall normal force N", "T": "Wall friction force T", "P": f"Force P on the {below}"}
     cards = []
     for name, title in names.items():
@@ -106,7 +106,7 @@ def _pattern(run: RunFiles) -> Card | None:
     kind = PATTERNS.get(found["kind"], found["kind"])
     left, right = found.get("transition_left_m"), found.get("transition_right_m")
     still = per_cent(found["stagnant_area_share"])
-    if run.silo.sinks and run.wall_kind == "very-rough":
+    if run.silo.floor_is_outlet and run.wall_kind == "very-rough":
         words = (
             "the whole bottom sinks, and the sand with it, but for what very rough walls hold: sand does not slip on "
             f"them; {still} of all sand stands still there"
@@ -126,7 +126,7 @@ def _pattern(run: RunFiles) -> Card | None:
 
 
 def _discharge(run: RunFiles) -> Card | None:
-    if run.silo.sinks:
+    if run.silo.floor_is_outlet:
         speed, depth = run.parameter("flow", "speed_m_per_s"), run.parameter("flow", "displacement_m")
         if not speed:
             return None
@@ -157,4 +157,4 @@ def in_one_sentence(run: RunFiles) -> str:
         return f"{words}; the outlet is opened and the sand falls out."
     depth, speed = flow.get("displacement_m"), flow.get("speed_m_per_s")
     driven = f" by {mm(depth)} at {plain(1e3 * speed)} mm/s" if depth and speed else ""
-    return f"{words}; the {'whole bottom is lowered' if silo.sinks else 'gate in the outlet sinks'}{driven}."
+    return f"{words}; the {'whole bottom is lowered' if silo.floor_is_outlet else 'gate in the outlet sinks'}{driven}."

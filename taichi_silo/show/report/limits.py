@@ -41,7 +41,7 @@ def known_limits(run: RunFiles) -> list[str]:
             "Loose sand between very rough walls splits into bands one cell high while it is filled in; P, T and N "
             "scatter by 2 to 4 % between runs that differ in nothing but rounding."
         )
-    if not silo.sinks:
+    if not silo.floor_is_outlet:
         found += _of_outlet(run, cell)
     speed = run.parameter("flow", "speed_m_per_s")
     if rough and not run.free and speed and speed > SLOW * 1.001:

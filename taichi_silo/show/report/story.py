@@ -45,7 +45,7 @@ def _walls(run: RunFiles) -> str:
     if run.wall_kind == "smooth":
         side = f"smooth, Coulomb friction of {plain(run.parameter('walls', 'friction_angle_deg'))}°"
     bottom = run.parameter("walls", "bottom_friction_angle_deg", 0.0)
-    words = f"Side walls {side}; {'bottom' if run.silo.sinks else 'floor'} "
+    words = f"Side walls {side}; {'bottom' if run.silo.floor_is_outlet else 'floor'} "
     words += f"with friction of {plain(bottom)}°" if bottom else "without friction"
     if special := run.silo.words():
         words += f". Special: {special}"
@@ -68,7 +68,7 @@ def _outflow(run: RunFiles) -> str:
         longest = plain(run.parameter("flow", "longest_s"))
         return f"The outlet is opened and the sand falls out by its weight, until it stops or {longest} s have passed."
     what = "A gate in the outlet is lowered, and sand below the floor is taken away"
-    what = "The whole bottom is lowered" if run.silo.sinks else what
+    what = "The whole bottom is lowered" if run.silo.floor_is_outlet else what
     pace = f" at {plain(1e3 * speed)} mm/s" if speed else ""
     return f"{what}: {mm(depth)}{pace}."
 
