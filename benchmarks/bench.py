@@ -94,7 +94,7 @@ def measure(points: int, points_per_cell: int, threads: int, yardstick: Yardstic
     """The whole step, in turns with the yardstick, and on one thread its phases."""
     simulation = loaded(points, points_per_cell, threads)
     size = simulation.scene.points, points_per_cell, threads
-    dt = 0.5 * simulation.solver.survey().stable_step
+    dt = 0.5 * simulation.solver.point_sums().stable_step
 
     def step(steps: int) -> None:
         simulation.solver.advance(steps, dt, gravity=(9.81, 9.81))
@@ -162,7 +162,7 @@ def sizes(threads: int) -> list[dict]:
         code = (
             "import resource; from benchmarks.bench import loaded, seconds_per_step; "
             "base = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss; "
-            f"s = loaded({points}, 1, {threads}); n = s.scene.points; dt = 0.5 * s.solver.survey().stable_step; "
+            f"s = loaded({points}, 1, {threads}); n = s.scene.points; dt = 0.5 * s.solver.point_sums().stable_step; "
             "t = seconds_per_step(lambda k: s.solver.advance(k, dt, gravity=(9.81, 9.81)), rounds=3); "
             "print(n, t, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - base)"
         )
@@ -191,7 +191,7 @@ def on_gpu() -> list[dict]:
     for points in (4_000, 64_000, 1_000_000, 4_000_000):
         for per_cell in (1, 4):
             simulation = loaded(points, per_cell, 1, arch="cuda")
-            dt = 0.5 * simulation.solver.survey().stable_step
+            dt = 0.5 * simulation.solver.point_sums().stable_step
             cost = seconds_per_step(lambda n, s=simulation, dt=dt: s.solver.advance(n, dt, gravity=(9.81, 9.81)))
             rows.append(row((simulation.scene.points, per_cell, 0), "step", cost, None, runtime.PRECISION))
             say(rows[-1:])

@@ -36,13 +36,13 @@ def cost(simulation: Simulation, speed_m_per_s: float = 0.002) -> dict:
     simulation.advance(simulation.interval, plate_velocity=plate)  # compiles
     guard.filled()
     simulation.stage, simulation.flow_start = "flow", simulation.time
-    observe, survey = Timed(guard.observe), Timed(simulation.solver.survey)
-    simulation.solver.survey = survey
+    observe, survey = Timed(guard.observe), Timed(simulation.solver.point_sums)
+    simulation.solver.point_sums = survey
     steps, begun = simulation.steps, time.perf_counter()
     for _ in range(ROUNDS * EVERY_PERIODS * simulation.rows_per_period):
         observe(simulation.advance(simulation.interval, plate_velocity=plate))
     whole = time.perf_counter() - begun
-    del simulation.solver.survey
+    del simulation.solver.point_sums
     return {
         "steps": simulation.steps - steps, "seconds": whole, "guard": observe.seconds / whole,
         "survey": survey.seconds / whole,

@@ -118,7 +118,7 @@ class Run:
         """Time that a second of flow takes, measured over about so long."""
         solver, gravity = self.simulation.solver, self.simulation.gravity
         speed = self.simulation.bottom_speed
-        dt, steps, begun = STEP_SAFETY * solver.survey().stable_step, 0, time.perf_counter()
+        dt, steps, begun = STEP_SAFETY * solver.point_sums().stable_step, 0, time.perf_counter()
         while time.perf_counter() < begun + least:
             solver.advance(100, dt, (gravity, gravity), (-speed, -speed))
             runtime.wait()

@@ -79,7 +79,7 @@ class Phases:
         for _ in range(steps):
             step = Step(dt=1e-3 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
             for g in range(self.groups):
-                self.s.take(points, g, 0, step, self.lanes.gather(points, nodal, g, 0), True, True)
+                self.s.update_point(points, g, 0, step, self.lanes.gather(points, nodal, g, 0), True, True)
 
 
 @ti.data_oriented

@@ -65,13 +65,15 @@ def weights(
 
 
 @ti.func
-def gifts(particles: ti.template(), grid: ti.template(), setting: ti.template(), lanes: ti.template(), p, t):
+def point_contributions(
+    particles: ti.template(), grid: ti.template(), surroundings: ti.template(), lanes: ti.template(), p, t
+):
     """The eight slots that a point gives."""
     m, volume = particles.read(lanes, "mass", p), particles.read(lanes, "volume", p)
     vx, vy = particles.read(lanes, "velocity", p)
-    xx, yy, zz, xy = shifted(particles.read(lanes, "stress", p), setting.ambient_pressure)
+    xx, yy, zz, xy = shifted(particles.read(lanes, "stress", p), surroundings.ambient_pressure)
     hoop = 0.0 * volume
-    if ti.static(setting.geometry.HOOP):
+    if ti.static(surroundings.geometry.HOOP):
         x, _y = particles.read(lanes, "position", p)
         hoop = 0.0 - volume * zz / x
     bx, by = volume * (-1.0 / grid.cell_size), volume * (-1.0 / grid.cell_height(t))
@@ -88,10 +90,10 @@ def arm(particles: ti.template(), grid: ti.template(), p, t, i, j):
 @ti.func
 def scatter(
     particles: ti.template(), grid: ti.template(), shape: ti.template(), transfer: ti.template(),
-    setting: ti.template(), p, t, motion: ti.template(), force: ti.template(), shared: ti.template(),
+    surroundings: ti.template(), p, t, motion: ti.template(), force: ti.template(), shared: ti.template(),
 ):  # fmt: skip
     """Particles to grid: mass and momentum (`motion`) and internal force (`force`) of point p."""
-    m, mvx, mvy, hoop, xx, xy, yx, yy = gifts(particles, grid, setting, 0, p, t)
+    m, mvx, mvy, hoop, xx, xy, yx, yy = point_contributions(particles, grid, surroundings, 0, p, t)
     for patch in ti.static(range(shape.PATCHES)):
         i, sx, gx, j, sy, gy = weights(particles, grid, shape, 0, p, t, patch)
         for b in ti.static(range(shape.NODES)):
@@ -132,10 +134,10 @@ def gather(particles: ti.template(), grid: ti.template(), shape: ti.template(), 
 
 @ti.func
 def gradient_of(
-    particles: ti.template(), grid: ti.template(), geometry: ti.template(), lanes: ti.template(), p, t, taken
+    particles: ti.template(), grid: ti.template(), geometry: ti.template(), lanes: ti.template(), p, t, gathered
 ):
     """Gradient (xx, xy, yx, yy) of what `gather` took, and the strain rate around the axis [1/s]."""
-    _vx, _vy, _dvx, _dvy, xx, yx, xy, yy, across = taken
+    _vx, _vy, _dvx, _dvy, xx, yx, xy, yy, across = gathered
     per_dx, per_dy = 1.0 / grid.cell_size, 1.0 / grid.cell_height(t)
     hoop = 0.0 * xx
     if ti.static(geometry.HOOP):
@@ -166,7 +168,9 @@ def at_point(particles: ti.template(), grid: ti.template(), shape: ti.template()
 
 
 @ti.func
-def echo_point(particles: ti.template(), grid: ti.template(), shape: ti.template(), p, t, value, shared: ti.template()):
+def second_scatter(
+    particles: ti.template(), grid: ti.template(), shape: ti.template(), p, t, value, shared: ti.template()
+):
     """A velocity of point p to the nodes, once more."""
     for patch in ti.static(range(shape.PATCHES)):
         i, sx, _gx, j, sy, _gy = weights(particles, grid, shape, 0, p, t, patch)
@@ -202,13 +206,13 @@ def affine_of(particles: ti.template(), grid: ti.template(), shape: ti.template(
 @ti.func
 def move(
     particles: ti.template(), grid: ti.template(), transfer: ti.template(), control: ti.template(),
-    lanes: ti.template(), p, step, taken, echo,
+    lanes: ti.template(), p, step, gathered, second,
 ):  # fmt: skip
-    """Velocity and position of point p from what it took of the grid, and of the echo."""
-    vx, vy, dvx, dvy = taken[0], taken[1], taken[2], taken[3]
+    """Velocity and position of point p from what it took of the grid, and of the second."""
+    vx, vy, dvx, dvy = gathered[0], gathered[1], gathered[2], gathered[3]
     old_x, old_y = particles.read(lanes, "velocity", p)
-    new_x = transfer.carried(old_x, vx, dvx, echo[0], step.dt)
-    new_y = transfer.carried(old_y, vy, dvy, echo[1], step.dt)
+    new_x = transfer.carried(old_x, vx, dvx, second[0], step.dt)
+    new_y = transfer.carried(old_y, vy, dvy, second[1], step.dt)
     if ti.static(control.relaxation > 0.0):
         new_x = new_x + control.relaxation * step.dt * (vx - new_x)
         new_y = new_y + control.relaxation * step.dt * (vy - new_y)

@@ -39,7 +39,7 @@ class Axisymmetric:
 
 
 @dataclass(frozen=True)
-class Setting:
+class Surroundings:
     """What surrounds the points.
 
     Parameters

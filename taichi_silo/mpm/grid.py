@@ -22,7 +22,7 @@ class Grid:
     force           copy, node  internal force [N/m]
     velocity        node        after the step [m/s]
     change          node        of the velocity in the step [m/s]
-    echo            node        velocities that went to the nodes once more in the step [m/s]
+    second_velocity node        velocities that went to the nodes once more in the step [m/s]
     memory          node, 3     exponential means of momentum (2) and mass, for the noise control [kg m/s /m, kg/m]
     stretch         copy        height of the grid over its first height [-], one copy for each thread
     ==============  ==========  ========================================================================
@@ -62,14 +62,22 @@ class Grid:
         self.velocity = ti.Vector.field(2, real)
         self.change = ti.Vector.field(2, real)
         ti.root.dense(ti.i, self.nodes).place(self.velocity, self.change)
-        self.echo = ti.Vector.field(2, real, shape=self.nodes)
+        self.second_velocity = ti.Vector.field(2, real, shape=self.nodes)
         self.memory = ti.field(real, shape=(self.nodes, 3))
         self.stretch = ti.field(real, shape=copies)
         self.stretch.fill(1.0)
 
     def forget_all(self) -> None:
         """Stand as at the beginning."""
-        for sums in (self.mass, self.momentum, self.force, self.velocity, self.change, self.echo, self.memory):
+        for sums in (
+            self.mass,
+            self.momentum,
+            self.force,
+            self.velocity,
+            self.change,
+            self.second_velocity,
+            self.memory,
+        ):
             sums.fill(0.0)
         self.stretch.fill(1.0)
 

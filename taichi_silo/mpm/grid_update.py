@@ -16,7 +16,7 @@ def held(wall: ti.template(), step, i, j, x, y):
 
 @ti.func
 def motion_of_node(
-    grid: ti.template(), walls: ti.template(), surfaces: ti.template(), control: ti.template(), books: ti.template(),
+    grid: ti.template(), walls: ti.template(), surfaces: ti.template(), control: ti.template(), impulses: ti.template(),
     down: ti.template(), i, j, step, m, old, push, shared: ti.template(),
 ):  # fmt: skip
     """The velocity (x, y) after the step of a node of mass m > 0 that the sand accelerates by `push`.
@@ -27,19 +27,19 @@ def motion_of_node(
     x = old[0] + step.dt * (push[0] + step.gravity * down[0])
     y = old[1] + step.dt * (push[1] + step.gravity * down[1])
     if ti.static(surfaces.ACTIVE):
-        pressed_x, pressed_y = surfaces.press_on(books, k, j, step.dt, shared)
+        pressed_x, pressed_y = surfaces.press_on(impulses, k, j, step.dt, shared)
         x, y = x + step.dt / m * pressed_x, y + step.dt / m * pressed_y
     if ti.static(control.drag > 0.0 or control.filling_drag > 0.0):
         recent_x, recent_y = grid.recent_velocity(step, j, k, m)
         braking_x = step.dt * (control.drag * (recent_x - old[0]) - step.filling_drag * old[0])
         braking_y = step.dt * (control.drag * (recent_y - old[1]) - step.filling_drag * old[1])
         x, y = x + braking_x, y + braking_y
-        books.brake(j, (m * braking_x, m * braking_y), shared)
+        impulses.add_damping(j, (m * braking_x, m * braking_y), shared)
     for number, wall in ti.static(enumerate(walls)):
         if wall.holds(i, j):
             free_x, free_y = x, y
             x, y = held(wall, step, i, j, free_x, free_y)
-            books.react(number, wall.slot(i, j), (m * (x - free_x), m * (y - free_y)), shared)
+            impulses.add_wall(number, wall.slot(i, j), (m * (x - free_x), m * (y - free_y)), shared)
     if ti.static(control.drag > 0.0):
         grid.remember(k, step.dt / control.memory_time, m, (x, y))
     if ti.static(surfaces.ACTIVE):
@@ -57,7 +57,7 @@ def pass_by(grid: ti.template(), surfaces: ti.template(), k):
 
 @ti.func
 def integrate_node(
-    grid: ti.template(), walls: ti.template(), surfaces: ti.template(), control: ti.template(), books: ti.template(),
+    grid: ti.template(), walls: ti.template(), surfaces: ti.template(), control: ti.template(), impulses: ti.template(),
     down: ti.template(), i, j, step, last: ti.template(), shared: ti.template(),
 ):  # fmt: skip
     """Motion of node (i, j); empties the sums for the next step.
@@ -80,7 +80,7 @@ def integrate_node(
         old = momentum * per_m
         push = force * per_m
         x, y = motion_of_node(
-            grid, walls, surfaces, control, books, down, i, j, step, m, (old[0], old[1]), (push[0], push[1]), shared
+            grid, walls, surfaces, control, impulses, down, i, j, step, m, (old[0], old[1]), (push[0], push[1]), shared
         )
         grid.velocity[k] = ti.Vector([x, y])
         grid.change[k] = ti.Vector([x - old[0], y - old[1]])
@@ -89,13 +89,13 @@ def integrate_node(
 
 
 @ti.func
-def echo_node(grid: ti.template(), walls: ti.template(), i, j, step, last: ti.template()):
-    """The `echo` of node (i, j): momentum over mass, as far as the given walls let it.
+def second_velocity_of_node(grid: ti.template(), walls: ti.template(), i, j, step, last: ti.template()):
+    """The `second` of node (i, j): momentum over mass, as far as the given walls let it.
 
     `last` says that nobody asks for the two sums afterwards.
     """
     k = j * grid.columns + i
-    m, momentum = 0.0 * step.dt, 0.0 * grid.echo[k]
+    m, momentum = 0.0 * step.dt, 0.0 * grid.second_velocity[k]
     for copy in ti.static(range(grid.copies)):
         other = copy * grid.nodes + k
         m, momentum = m + grid.mass[other], momentum + grid.momentum[other]
@@ -107,4 +107,4 @@ def echo_node(grid: ti.template(), walls: ti.template(), i, j, step, last: ti.te
         for wall in ti.static(walls):
             if wall.holds(i, j):
                 x, y = held(wall, step, i, j, x, y)
-        grid.echo[k] = ti.Vector([x, y])
+        grid.second_velocity[k] = ti.Vector([x, y])

@@ -46,11 +46,11 @@ def unfold_row(grid: ti.template(), j):
     for n in ti.static(range(1, MARGIN + 1)):
         grid.velocity[here + n] = turned(grid.velocity[here - n])
         grid.change[here + n] = turned(grid.change[here - n])
-        grid.echo[here + n] = turned(grid.echo[here - n])
+        grid.second_velocity[here + n] = turned(grid.second_velocity[here - n])
 
 
 @ti.data_oriented
-class HalfSolver(Solver):
+class MirroredSolver(Solver):
     """A solver of the left half; the axis is the grid's last column before its margin."""
 
     MIRRORED = True

@@ -108,7 +108,7 @@ class NonLocal:
         self.kernel, self.particles = kernel, particles
         self.radius = kernel.CUT * kernel.length_m
         self.allowed = tolerance * kernel.length_m
-        self.builds, self.loads = 0, -1
+        self.builds, self.revision = 0, -1
         self.origin = {}  # places and volumes of the points that the rows were built from
         count = particles.count
         self.pairs_most = most_pairs(kernel, spacing_m, count)
@@ -181,7 +181,7 @@ class NonLocal:
 
     def refresh(self) -> None:
         """Build the rows anew if there are none, or a point has used up half of the allowed displacement."""
-        if self.loads != self.particles.loads or self._moved() > 0.5 * self.allowed:
+        if self.revision != self.particles.revision or self._moved() > 0.5 * self.allowed:
             self.build()
 
     def build(self) -> None:
@@ -220,7 +220,7 @@ class NonLocal:
         self.start.from_numpy(full)
         self._fill(order, first, bins.astype(np.int32), across, rows)
         self.builds += 1
-        self.loads = self.particles.loads
+        self.revision = self.particles.revision
 
     @ti.kernel
     def _moved(self) -> real:

@@ -32,7 +32,7 @@ class Particles:
     WIDTHS = {"position": 2, "velocity": 2, "stress": 4, "intergranular": 4, "domain": 4, "affine": 4}
 
     def __init__(self, count: int, extra: tuple[str, ...] = ()):
-        self.count, self.loads = count, 0
+        self.count, self.revision = count, 0
         self.names = self.NAMES + extra
         for name in self.names:
             width, kind = self.WIDTHS.get(name), real_place if name == "position" else real
@@ -97,7 +97,7 @@ class Particles:
 
     def load(self, arrays: dict[str, np.ndarray]) -> None:
         """Set all fields from arrays of the same shapes, of at most `count` points; `affine` may be left out (0)."""
-        self.loads += 1
+        self.revision += 1
         number = len(arrays["mass"])
         for name in self.names:
             field = getattr(self, name)

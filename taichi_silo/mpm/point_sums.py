@@ -9,14 +9,14 @@ from taichi_silo.mpm.tensors import trace
 
 
 @ti.data_oriented
-class Survey:
+class PointSums:
     """One pass over the points."""
 
     def __init__(self, particles, grid, law, shared: bool):
         self.particles, self.grid, self.law, self.shared = particles, grid, law, shared
         self.found = ti.field(real, shape=10)
 
-    def take(self) -> SimpleNamespace:
+    def read(self) -> SimpleNamespace:
         """What the points say now.
 
         Returns

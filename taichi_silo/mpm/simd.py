@@ -12,7 +12,7 @@ order of every sum, and with it every bit of the result, is the same for one thr
 import numpy as np
 import taichi as ti
 
-from taichi_silo.mpm.g2p import gifts, weights
+from taichi_silo.mpm.g2p import point_contributions, weights
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.grid_update import motion_of_node, pass_by
 from taichi_silo.mpm.lane_maths import greatest
@@ -60,7 +60,7 @@ class Lanes:
         self.nodal = ti.ndarray(eight, self.grid.nodes)
         self.nodal.fill(0.0)
         self.reach = ti.field(ti.i32, shape=(self.strips, 16))  # first and last row of nodes that a strip touched
-        self.sorted = (-1, 0.0)  # loads of the particles, and how far points may have moved since [cells]
+        self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.compiled = False
 
     @property
@@ -79,7 +79,7 @@ class Lanes:
             return f"its stress update is '{solver.stress_update}'"
         if solver.filter.ACTIVE:
             return "it filters stresses"
-        if solver.transfer.ECHO or solver.transfer.GRADIENT != "none":
+        if solver.transfer.SECOND_TRANSFER or solver.transfer.GRADIENT != "none":
             return f"its transfer is {solver.transfer}"
         if solver.grid.periodic:
             return "its grid is periodic"
@@ -107,11 +107,11 @@ class Lanes:
 
     def _sort(self, count: int, dt: float, schedule) -> None:
         """Put the points in the order of their cells, unless they hardly moved since that was done."""
-        loads, moved = self.sorted
+        revision, moved = self.sorted
         moved += 2.0 * count * dt * max(map(abs, schedule[2:4])) / self.grid.cell_size
         moved += count * 1e-4  # if something moves by itself faster than that, the order is not the best
-        if loads == self.particles.loads and moved < SORTED_FOR:
-            self.sorted = loads, moved
+        if revision == self.particles.revision and moved < SORTED_FOR:
+            self.sorted = revision, moved
             return
         active = int(self.particles.active[None])
         place = self.particles.position.to_numpy()[:active]
@@ -126,7 +126,7 @@ class Lanes:
         full = np.full(self.particles.groups * LANES, self.particles.count, dtype=np.int32)
         full[:active] = order
         self.particles.order.from_numpy(full)
-        self.sorted = self.particles.loads, 0.0
+        self.sorted = self.particles.revision, 0.0
 
     @ti.kernel
     def _load(self, points: arrays_of_eight):
@@ -191,11 +191,11 @@ class Lanes:
                         self.solver.surfaces.press_row(j, step.dt)
                 begin, end = first * groups // self.strips, last * groups // self.strips
                 for g in range(begin, end):
-                    self.solver.take(points, g, t, step, self.gather(points, nodal, g, t), True, True)
+                    self.solver.update_point(points, g, t, step, self.gather(points, nodal, g, t), True, True)
                 if ti.static(self.solver.averaging.ACTIVE):
                     self.barrier.wait(passed, arrived + 2)
                     for g in range(begin, end):
-                        self.solver.answer(points, g, step, self.solver.averaging.mean_of_group(g))
+                        self.solver.update_stress(points, g, step, self.solver.averaging.mean_of_group(g))
                 self.grid.follow(t, step)
 
     @ti.func
@@ -208,7 +208,7 @@ class Lanes:
         c20, c21, c22 = nothing, nothing, nothing
         at, columns = -2, self.grid.columns  # nothing has been collected yet, and node 0 does not follow it
         for g in range(begin, end):
-            given = gifts(self.particles, self.grid, self.solver.setting, points, g, t)
+            given = point_contributions(self.particles, self.grid, self.solver.surroundings, points, g, t)
             for patch in ti.static(range(self.shape.PATCHES)):
                 i, sx, gx, j, sy, gy = weights(self.particles, self.grid, self.shape, points, g, t, patch)
                 lowest, highest = ti.min(lowest, j), ti.max(highest, j)
@@ -291,7 +291,7 @@ class Lanes:
                 old = total[1] * per_m, total[2] * per_m
                 push = (total[3] + total[4] + total[6]) * per_m, (total[5] + total[7]) * per_m
                 x, y = motion_of_node(
-                    self.grid, s.walls, s.surfaces, s.control, s.books, s.down, i, j, step, m, old, push, False
+                    self.grid, s.walls, s.surfaces, s.control, s.impulses, s.down, i, j, step, m, old, push, False
                 )
                 nodal[k] = eight(x, y, x - old[0], y - old[1], x, y, x, y)
             else:

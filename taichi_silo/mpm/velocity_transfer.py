@@ -5,11 +5,11 @@ The contract, a frozen dataclass:
 `GRADIENT`
     "none", or which velocity gradient the points carry and give to the nodes: "affine" (of APIC) or "strain" (that of
     the strain rate).
-`ECHO`
+`SECOND_TRANSFER`
     whether velocities go to the nodes and back once more in the step.
-`carried(old, grid, change, echo, dt)`
+`carried(old, grid, change, second, dt)`
     the point's new velocity [m/s] from its old one, the grid's new velocity and its change in the step at the point,
-    and, with ECHO, what comes back of the grid's old velocity after one more trip to the nodes.
+    and, with SECOND_TRANSFER, what comes back of the grid's old velocity after one more trip to the nodes.
 """
 
 from dataclasses import dataclass
@@ -21,10 +21,10 @@ import taichi as ti
 class Flip:
     """The change only, so nothing is smeared, and nothing that the grid cannot see is damped."""
 
-    GRADIENT, ECHO = "none", False
+    GRADIENT, SECOND_TRANSFER = "none", False
 
     @ti.func
-    def carried(self, old, grid, change, echo, dt):
+    def carried(self, old, grid, change, second, dt):
         """Old velocity and change."""
         return old + change
 
@@ -33,10 +33,10 @@ class Flip:
 class Pic:
     """The grid's velocity itself: a viscosity of about density h^2 / (4 dt)."""
 
-    GRADIENT, ECHO = "none", False
+    GRADIENT, SECOND_TRANSFER = "none", False
 
     @ti.func
-    def carried(self, old, grid, change, echo, dt):
+    def carried(self, old, grid, change, second, dt):
         """Velocity of the grid."""
         return grid
 
@@ -47,10 +47,10 @@ class Blend:
 
     share: float = 0.05
 
-    GRADIENT, ECHO = "none", False
+    GRADIENT, SECOND_TRANSFER = "none", False
 
     @ti.func
-    def carried(self, old, grid, change, echo, dt):
+    def carried(self, old, grid, change, second, dt):
         """Weighted mean of both."""
         return (1.0 - self.share) * (old + change) + self.share * grid
 
@@ -76,12 +76,12 @@ class Xpic:
     With P the trip to the nodes and back, the old velocities V become 2 P V - P P V.
     """
 
-    GRADIENT, ECHO = "none", True
+    GRADIENT, SECOND_TRANSFER = "none", True
 
     @ti.func
-    def carried(self, old, grid, change, echo, dt):
+    def carried(self, old, grid, change, second, dt):
         """Twice P V less P P V, and the change; `grid` is P V and the change."""
-        return grid + (grid - change) - echo
+        return grid + (grid - change) - second
 
 
 TRANSFERS = {"flip": Flip, "pic": Pic, "blend": Blend, "gradient": Enhanced, "apic": Apic, "xpic": Xpic}

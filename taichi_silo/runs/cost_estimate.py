@@ -127,7 +127,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
     particles.load(arrays)
     memory.fill(0.0)
     simulation.solver.surfaces.clear()
-    simulation.solver.books.take()
+    simulation.solver.impulses.read_and_reset()
     return found
 
 

@@ -28,7 +28,7 @@ class MethodOptions(Options):
 
     @model_validator(mode="after")
     def _goes_together(self):
-        if TRANSFERS[self.transfer].ECHO and self.stress_update != "last":
+        if TRANSFERS[self.transfer].SECOND_TRANSFER and self.stress_update != "last":
             raise ValueError(
                 f"stress update is {self.stress_update}; with the transfer {self.transfer} it must be last"
             )

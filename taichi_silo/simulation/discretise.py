@@ -12,7 +12,7 @@ import numpy as np
 from taichi_silo.mpm.geometry import Axisymmetric, PlaneStrain
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.particles import Particles
-from taichi_silo.mpm.walls import Coulomb, Gate, Glide, NoSlip, OpenFloor, PlaneWall, Surface
+from taichi_silo.mpm.walls import Coulomb, Frictionless, Gate, NoSlip, OpenFloor, PlaneWall, Surface
 from taichi_silo.scene import polygons as polygons
 from taichi_silo.scene.symmetry import half_model, whole_points, whole_profile
 
@@ -153,7 +153,7 @@ def walls_of(scene, section: Section, grid: Grid) -> tuple:
     silo, h, side = scene.silo, scene.grid.cell_size_m, side_contact(scene)
     low = tuple(MARGIN + math.ceil(foot / h - 1e-9) if foot else 0 for foot in silo.feet_m)
     left, right = grid.node_along(0.0), grid.node_along(section.width)
-    axis = Glide()
+    axis = Frictionless()
     sides = (
         PlaneWall("axis", 0, -1, left, axis) if section.round else PlaneWall("left", 0, -1, left, side, lowest=low[0]),
         PlaneWall("axis", 0, 1, right, axis) if section.half else PlaneWall("right", 0, 1, right, side, lowest=low[1]),

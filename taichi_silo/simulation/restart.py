@@ -17,20 +17,20 @@ CLOCK = (
     "time", "displacement", "stage", "settled", "finished", "flow_start", "bottom_speed", "left_at", "step", "steps",
     "stepping_seconds", "seen",
 )  # fmt: skip
-NODAL = ("memory", "velocity", "change", "echo")
+NODAL = {"memory": "memory", "velocity": "velocity", "change": "change", "echo": "second_velocity"}  # key: field
 
 
 def of(simulation) -> dict:
     """Numbers, words, arrays, and dictionaries of them."""
     particles, solver, ledger = simulation.particles, simulation.solver, simulation.ledger
     kept = {
-        "clock": {name: getattr(simulation, name) for name in CLOCK} | {"loads": particles.loads},
+        "clock": {name: getattr(simulation, name) for name in CLOCK} | {"loads": particles.revision},
         "filling": dataclasses.asdict(simulation.filling),
         "warnings": list(simulation.warnings),
         "alarms": simulation.alarms.state(),
         "after": vars(simulation.after) if simulation.after else None,
         "points": particles.arrays() | {"identity": simulation.identity},
-        "nodes": {name: getattr(simulation.grid, name).to_numpy() for name in NODAL},
+        "nodes": {key: getattr(simulation.grid, name).to_numpy() for key, name in NODAL.items()},
     }
     if ledger:
         kept["ledger"] = {"mass": ledger.mass, "momentum": ledger.momentum, "points": ledger.points}
@@ -38,7 +38,7 @@ def of(simulation) -> dict:
         kept["surfaces"] = {name: getattr(solver.surfaces, name).to_numpy() for name in ("traction", "seen")}
     if solver.lanes:
         kept["lanes"] = {"sorted": list(solver.lanes.sorted), "order": particles.order.to_numpy()}
-    if solver.averaging.ACTIVE and solver.averaging.loads == particles.loads:
+    if solver.averaging.ACTIVE and solver.averaging.revision == particles.revision:
         kept["rows"] = solver.averaging.origin | {"builds": solver.averaging.builds}
     return kept
 
@@ -62,11 +62,11 @@ def restore(simulation, kept: dict) -> None:
         builds = rows.pop("builds")
         particles.load(points | rows)
         solver.averaging.build()
-        solver.averaging.builds, solver.averaging.loads = builds, loads
+        solver.averaging.builds, solver.averaging.revision = builds, loads
     particles.load(points)
-    particles.loads = loads
-    for name, values in kept["nodes"].items():
-        getattr(simulation.grid, name).from_numpy(values)
+    particles.revision = loads
+    for key, values in kept["nodes"].items():
+        getattr(simulation.grid, NODAL[key]).from_numpy(values)
     if simulation.ledger:
         for name, value in kept["ledger"].items():
             setattr(simulation.ledger, name, value)

@@ -5,9 +5,9 @@ import time
 
 import numpy as np
 
-from taichi_silo.mpm.geometry import Setting
+from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import MARGIN
-from taichi_silo.mpm.mirrored_solver import HalfSolver
+from taichi_silo.mpm.mirrored_solver import MirroredSolver
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import NonLocal
 from taichi_silo.mpm.particles import Particles
@@ -129,9 +129,9 @@ class Simulation:
 
     def use(self, control: NoiseControl) -> None:
         """From now on step with a solver of this noise control."""
-        self.solver = (HalfSolver if self.half else Solver)(
+        self.solver = (MirroredSolver if self.half else Solver)(
             self.particles, self.grid, self.shape, self.law, self.walls, control, averaging=self.averaging,
-            setting=Setting(self.section.geometry), surfaces=self.surfaces, lanes=self.lanes,
+            surroundings=Surroundings(self.section.geometry), surfaces=self.surfaces, lanes=self.lanes,
             **self.scene.method.solver_options(),
         )  # fmt: skip
 
@@ -145,9 +145,9 @@ class Simulation:
     @property
     def held_mass(self) -> float:
         """Of the sand that is in the silo now [kg/m]."""
-        if self._held[0] != self.particles.loads:
+        if self._held[0] != self.particles.revision:
             there = self.particles.mass.to_numpy()[: self.particles.active[None]]
-            self._held = self.particles.loads, self.whole * float(there.sum())
+            self._held = self.particles.revision, self.whole * float(there.sum())
         return self._held[1]
 
     @property
@@ -193,7 +193,7 @@ class Simulation:
         """
         scene, solver = self.scene, self.solver
         gravity = (self.gravity, self.gravity) if gravity is None else gravity
-        before = self.after if self.seen == self.particles.loads else solver.survey()
+        before = self.after if self.seen == self.particles.revision else solver.point_sums()
         step = scene.method.time_step(before, STEP_SAFETY)
         if scene.method.time_step_s is None:
             step = min(growth * step, longer * self.step)
@@ -203,10 +203,10 @@ class Simulation:
         drag = self.control.filling_drag if self.stage == "filling" else 0.0
         begun = time.perf_counter()
         solver.advance(steps, dt, gravity, plate_velocity, drag)
-        reaction, control = solver.books.take()  # waits for the device
+        reaction, control = solver.impulses.read_and_reset()  # waits for the device
         self.stepping_seconds += time.perf_counter() - begun
-        after = self.after = solver.survey()
-        self.seen = self.particles.loads
+        after = self.after = solver.point_sums()
+        self.seen = self.particles.revision
         if after.strays:
             self.alarms.take(self._astray(after.strays, dt), self)
         self.time += duration

@@ -1,7 +1,7 @@
 """A body of sand between two plates, under the pressure of a fluid: what element tests and the biaxial test load.
 
 The grid's height follows the upper plate, so that both plates always lie on nodes; the fluid's pressure acts on every
-free surface, wherever that moves (see `geometry.Setting`).
+free surface, wherever that moves (see `geometry.Surroundings`).
 """
 
 import math
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.errors import RunFailed
-from taichi_silo.mpm.geometry import Axisymmetric, PlaneStrain, Setting
+from taichi_silo.mpm.geometry import Axisymmetric, PlaneStrain, Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import NonLocal
@@ -90,7 +90,7 @@ class Specimen:
         self.solver = Solver(
             self.particles, grid, shape, law, walls(grid), control or NoiseControl(),
             averaging=NonLocal(kernel, self.particles, spacing) if kernel else None,
-            setting=Setting(geometry, ambient_pressure), **self.options.solver_options(),
+            surroundings=Surroundings(geometry, ambient_pressure), **self.options.solver_options(),
         )  # fmt: skip
         self.time = self.travel = 0.0
         self.steps = 0
@@ -115,16 +115,16 @@ class Specimen:
 
         """
         solver = self.solver
-        step = self.options.time_step(solver.survey(), STEP_SAFETY)
+        step = self.options.time_step(solver.point_sums(), STEP_SAFETY)
         steps = max(1, math.ceil(duration_s / step - 1e-9))
         dt = duration_s / steps
         solver.advance(steps, dt, (self.gravity, self.gravity), (self.speed, speed_m_per_s))
-        reaction, _ = solver.books.take()
+        reaction, _ = solver.impulses.read_and_reset()
         self.time += duration_s
         self.travel += 0.5 * (self.speed + speed_m_per_s) * duration_s
         self.steps += steps
         self.speed = speed_m_per_s
-        found = solver.survey()
+        found = solver.point_sums()
         points = self.particles.arrays()
         if found.strays or not np.isfinite(points["stress"]).all():
             raise RunFailed(

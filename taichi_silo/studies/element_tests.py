@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.laws.stress_point import StressPoint, wave_speed
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.mpm.walls import Glide, Grip, NoSlip, PlaneWall
+from taichi_silo.mpm.walls import Frictionless, NoSlip, PlaneWall, RoughFree
 from taichi_silo.scene.method_options import MethodOptions, Shape
 from taichi_silo.scene.scene import Sand
 from taichi_silo.simulation.specimen import Specimen
@@ -170,15 +170,16 @@ def specimen(scene: ElementScene) -> Specimen:
     def walls(grid):
         bottom, top = grid.node_along(0.0), grid.node_along(size)
         if test.sheared:
-            lid = NoSlip() if test.free is None else Grip()
+            lid = NoSlip() if test.free is None else RoughFree()
             return (
                 PlaneWall("bottom", 1, -1, bottom, NoSlip()),
                 PlaneWall("top", 1, 1, top, lid, motion=(1.0, 0.0)),
             )  # fmt: skip
-        side = PlaneWall("axis", 0, -1, grid.node_along(0.0), Glide())
-        far = (PlaneWall("side", 0, 1, grid.node_along(size), Glide()),) if test.free is None else ()
+        side = PlaneWall("axis", 0, -1, grid.node_along(0.0), Frictionless())
+        far = (PlaneWall("side", 0, 1, grid.node_along(size), Frictionless()),) if test.free is None else ()
         plates = (
-            PlaneWall("bottom", 1, -1, bottom, Glide()), PlaneWall("top", 1, 1, top, Glide(), motion=(0.0, 1.0)),
+            PlaneWall("bottom", 1, -1, bottom, Frictionless()),
+            PlaneWall("top", 1, 1, top, Frictionless(), motion=(0.0, 1.0)),
         )  # fmt: skip
         return (side, *far, *plates)
 

@@ -82,7 +82,7 @@ class TestBlockOnAnIncline:
         body = solver(particles, grid, shape, law, (floor,), down=(math.sin(self.slope), -math.cos(self.slope)))
         n, dt = 2000, 1e-4
         body.advance(n, dt, gravity=(G, G))
-        reaction, _ = body.books.take()
+        reaction, _ = body.impulses.read_and_reset()
         velocity = particles.arrays()["velocity"][:, 0].mean()
         return velocity / (n * dt) / G, reaction[0]
 

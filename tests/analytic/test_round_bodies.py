@@ -9,17 +9,17 @@ from scipy.special import j0, j1
 
 from taichi_silo.mpm.laws import Elastic, GudehusBauer
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.mpm.walls import Glide, NoSlip, PlaneWall
+from taichi_silo.mpm.walls import Frictionless, NoSlip, PlaneWall
 from taichi_silo.simulation.specimen import Specimen
 
 SAND = GudehusBauer()
 
 
 def plates(grid, side=True, moving=(0.0, 1.0)):
-    axis = (PlaneWall("axis", 0, -1, grid.node_along(0.0), Glide()),) if side else ()
+    axis = (PlaneWall("axis", 0, -1, grid.node_along(0.0), Frictionless()),) if side else ()
     return (
-        *axis, PlaneWall("bottom", 1, -1, grid.node_along(0.0), Glide()),
-        PlaneWall("top", 1, 1, grid.top, Glide(), motion=moving),
+        *axis, PlaneWall("bottom", 1, -1, grid.node_along(0.0), Frictionless()),
+        PlaneWall("top", 1, 1, grid.top, Frictionless(), motion=moving),
     )  # fmt: skip
 
 

@@ -39,10 +39,10 @@ def slide(angle_deg, contact, mu, cell=0.05, steps=2000):
     body = solver(particles, grid, UniformGimp(0.5), Elastic(2e6, 0.2), surfaces=(incline,))
     velocities = []
     for _ in range(2):
-        body.books.take()
+        body.impulses.read_and_reset()
         body.advance(steps, 1e-4, gravity=(G, G))
         velocities.append(particles.arrays()["velocity"].mean(axis=0))
-    pushed = body.books.take()[0][0].sum(axis=0)
+    pushed = body.impulses.read_and_reset()[0][0].sum(axis=0)
     return (velocities[1] - velocities[0]) @ down / (steps * 1e-4) / G, pushed @ down, pushed @ up
 
 
@@ -105,9 +105,9 @@ def trough(angle_deg, cell, along_axis=2, height=1.0, foot=0.8):
     c = math.sqrt(bulk / DENSITY)
     dt, drag = 0.2 * cell / c, 0.5 * math.pi * c / height
     body.advance(6000, dt, gravity=(G, G), filling_drag=drag)
-    body.books.take()
+    body.impulses.read_and_reset()
     body.advance(2000, dt, gravity=(G, G), filling_drag=drag)
-    force = body.books.take()[0] / (2000 * dt)
+    force = body.impulses.read_and_reset()[0] / (2000 * dt)
     normal = force[2] @ np.array([-math.cos(angle), math.sin(angle)])
     normal = np.concatenate([[normal[: MARGIN + 1].sum()], normal[MARGIN + 1 :]])  # nodes below share with the lowest
     low = np.maximum((np.arange(len(normal)) - 0.5) * cell, 0.0)  # what the nodes of a row stand for

@@ -19,7 +19,7 @@ def runs(scene, intervals=4):
     """A few intervals: forces finite and in balance, or a sentence of what went wrong. False if it takes too long."""
     runtime.init()
     simulation = Simulation(scene)
-    step = scene.method.time_step(simulation.solver.survey(), 0.95)
+    step = scene.method.time_step(simulation.solver.point_sums(), 0.95)
     if simulation.interval * intervals / step > STEPS_MOST or scene.points > 20_000:
         return False
     try:

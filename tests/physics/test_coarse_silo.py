@@ -26,7 +26,8 @@ def mass_on_grid(solver):
     def scatter_all():
         for p in range(solver.particles.count):
             scatter(
-                solver.particles, solver.grid, solver.shape, solver.transfer, solver.setting, p, 0, True, True, True
+                solver.particles, solver.grid, solver.shape, solver.transfer, solver.surroundings, p, 0,
+                True, True, True,
             )  # fmt: skip
 
     scatter_all()

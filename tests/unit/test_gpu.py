@@ -17,7 +17,7 @@ def after(arch, steps=200, **scene):
     machine = Machine(arch=arch, threads=1)
     simulation = Simulation(Scene(flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), machine=machine, **given))
     simulation.solver.advance(steps, 2e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
-    return simulation.particles.arrays(), simulation.solver.books.take()[0]
+    return simulation.particles.arrays(), simulation.solver.impulses.read_and_reset()[0]
 
 
 @pytest.mark.parametrize(

@@ -61,7 +61,7 @@ def points_after(steps, half, **choices):
             ).reshape(values.shape)
             for name, values in points.items()
         }  # fmt: skip
-    reaction = silo.solver.books.take()[0]
+    reaction = silo.solver.impulses.read_and_reset()[0]
     return points, whole_profile(reaction, silo.columns) if silo.half else reaction
 
 
@@ -106,7 +106,7 @@ def test_P_T_N_and_the_balance_of_a_run_are_those_of_the_whole(walls):
 def test_a_smooth_plate_along_the_axis_alone_would_not_do(monkeypatch):
     """Nodes beyond the axis that do not know of the other half cost a thousandth of the forces."""
     whole = forces(started("no"))
-    monkeypatch.setattr(simulation, "HalfSolver", Solver)
+    monkeypatch.setattr(simulation, "MirroredSolver", Solver)
     plate = forces(started("yes"))
     count = min(len(whole), len(plate))
     assert np.abs(plate[:count] - whole[:count]).max() > 1e-4 * whole[-1, 0]

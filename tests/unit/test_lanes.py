@@ -52,7 +52,7 @@ def formulas(a, b, c, d, e, f, g, h):
             r = shape.convected(domain, (0.3 * f, 0.2 * g, 0.4 * h, 0.1 * f))
             weighed += r[0] + 2.0 * r[1] + 3.0 * r[2] + 4.0 * r[3]
     past = (2e-5 * g, 3e-5 * f, 1e-5 * h, 2e-5 * f)
-    kept = memory.remembered(past)
+    kept = memory.bounded_memory(past)
     reversed_rate = memory.rate(stress, kept, factors, D, norm(D))
     growth_of_memory = memory.memory_rate(kept, D)
     at_once = update(law, stress, kept, e, D, h, norm(D), 1e-3)  # divided, in each lane as it needs
@@ -107,7 +107,7 @@ def after(lanes, steps, threads=1, monkeypatch=None, **scene):
     assert bool(simulation.solver.lanes) == lanes
     simulation.solver.advance(steps, 2e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
     monkeypatch.undo()
-    return simulation.particles.arrays(), *simulation.solver.books.take()
+    return simulation.particles.arrays(), *simulation.solver.impulses.read_and_reset()
 
 
 HOPPER = Silo(width_m=0.1, height_m=0.2, hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.05))
@@ -161,7 +161,7 @@ def test_points_that_are_nowhere_are_counted_and_touch_no_memory_of_others(place
     arrays["position"][[0, 5]] = place
     silo.particles.load(arrays)
     silo.solver.advance(3, 1e-6, gravity=(9.81, 9.81))
-    assert silo.solver.survey().strays >= 2
+    assert silo.solver.point_sums().strays >= 2
 
 
 def test_what_lanes_cannot_do_is_done_by_the_plain_loop_and_refused_if_asked_for(monkeypatch):

@@ -29,7 +29,7 @@ def state_after(steps, threads=1, shared=None, walls="very-rough", shape="ugimp"
             shared=True, surfaces=simulation.surfaces, **variant.solver_options(),
         )  # fmt: skip
     simulation.solver.advance(steps, 2e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
-    return simulation.particles.arrays(), simulation.solver.books.take()
+    return simulation.particles.arrays(), simulation.solver.impulses.read_and_reset()
 
 
 @pytest.mark.parametrize("how", [{"threads": 2}, {"threads": 2, "shared": True}], ids=["two threads", "atomic sums"])

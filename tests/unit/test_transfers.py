@@ -18,7 +18,7 @@ LAW = Elastic(1e6, 0.2)
 COMBINATIONS = [
     (transfer, update)
     for transfer, update in itertools.product(TRANSFERS, STRESS_UPDATES)
-    if not (TRANSFERS[transfer].ECHO and update != "last")
+    if not (TRANSFERS[transfer].SECOND_TRANSFER and update != "last")
 ]
 
 

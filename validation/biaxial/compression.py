@@ -9,7 +9,7 @@ import numpy as np
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.mpm.walls import Glide, Pin, PlaneWall
+from taichi_silo.mpm.walls import FixedNode, Frictionless, PlaneWall
 from taichi_silo.simulation.specimen import Specimen
 from taichi_silo.studies.element_tests import start_strain
 from validation.biaxial.scene import BiaxialScene
@@ -58,9 +58,9 @@ class Biaxial:
         def walls(grid):
             bottom = grid.node_along(0.0)
             return (
-                PlaneWall("bottom", 1, -1, bottom, Glide()),
-                Pin(grid.node_along(left + 0.5 * scene.width_m), bottom),
-                PlaneWall("top", 1, 1, grid.top, Glide(), motion=(0.0, 1.0)),
+                PlaneWall("bottom", 1, -1, bottom, Frictionless()),
+                FixedNode(grid.node_along(left + 0.5 * scene.width_m), bottom),
+                PlaneWall("top", 1, 1, grid.top, Frictionless(), motion=(0.0, 1.0)),
             )
 
         kernel, self.about_averaging = scene.averaging.kernel(scene.sand, scene.spacing_m)

@@ -81,7 +81,7 @@ def empty(
         if not particles.active[None]:
             break
         now = particles.arrays()
-        bad = body.survey().strays
+        bad = body.point_sums().strays
         if bad:
             break
         e = now["volume"] * law.grain_density / now["mass"] - 1.0
@@ -100,5 +100,5 @@ def drive(solver: Solver, duration: float, gravity, filling_drag: float = 0.0) -
     for number in range(parts):
         low, high = (gravity[0] + (gravity[1] - gravity[0]) * (number + k) / parts for k in (0, 1))
         growth = (low / high) ** 0.25 if low > 0.0 else 0.2
-        steps = math.ceil(duration / parts / (0.9 * growth * solver.survey().stable_step))
+        steps = math.ceil(duration / parts / (0.9 * growth * solver.point_sums().stable_step))
         solver.advance(steps, duration / parts / steps, (low, high), filling_drag=filling_drag)

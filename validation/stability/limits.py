@@ -73,21 +73,21 @@ def drop(shape_name: str = "ugimp", height: float = 0.05) -> dict[str, float]:
     time, low, high, force = 0.0, np.inf, -np.inf, []
     while time < 1.5:
         steps = 50
-        dt = min(0.9 * body.survey().stable_step, 2e-5)
+        dt = min(0.9 * body.point_sums().stable_step, 2e-5)
         body.advance(steps, dt, gravity=(g, g))
         time += steps * dt
-        reaction, _ = body.books.take()
+        reaction, _ = body.impulses.read_and_reset()
         if time > 1.2:
             force.append(reaction[2, :, 1].sum() / (steps * dt))
         now = particles.arrays()
         e = now["volume"] * LAW.grain_density / now["mass"] - 1.0
         low, high = min(low, float(e.min())), max(high, float(e.max()))
-        if body.survey().strays:
+        if body.point_sums().strays:
             break
     finite = np.isfinite(now["stress"]).all(axis=1) & np.isfinite(now["position"]).all(axis=1)
     weight = now["mass"].sum() * g
     return {
-        "bad": float((~finite).sum() + body.survey().strays), "void_low": low, "void_high": high,
+        "bad": float((~finite).sum() + body.point_sums().strays), "void_low": low, "void_high": high,
         "floor": float(np.mean(force)) / weight if force else 0.0,
     }  # fmt: skip
 

@@ -10,7 +10,7 @@ from taichi_silo.mpm.laws import Elastic
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.velocity_transfer import Flip
-from taichi_silo.mpm.walls import Coulomb, Glide, PlaneWall
+from taichi_silo.mpm.walls import Coulomb, Frictionless, PlaneWall
 from validation.stability.bodies import block, change, solver
 from validation.stability.cell import Cell, cells_of
 
@@ -44,8 +44,8 @@ def closed_box(shape, per_axis: int, filtering):
     )  # fmt: skip
     far = CELLS + MARGIN
     walls = (
-        PlaneWall("left", 0, -1, MARGIN, Glide()), PlaneWall("right", 0, 1, far, Glide()),
-        PlaneWall("bottom", 1, -1, MARGIN, Glide()), PlaneWall("top", 1, 1, far, Glide()),
+        PlaneWall("left", 0, -1, MARGIN, Frictionless()), PlaneWall("right", 0, 1, far, Frictionless()),
+        PlaneWall("bottom", 1, -1, MARGIN, Frictionless()), PlaneWall("top", 1, 1, far, Frictionless()),
     )  # fmt: skip
     return particles, solver(particles, grid, shape, LAW, walls, filtering=filtering)
 
@@ -97,7 +97,7 @@ def ringing(shape, per_axis: int, filtering=None, steps: int = 20_000) -> float:
     )  # fmt: skip
     walls = (
         PlaneWall("left", 0, -1, MARGIN, Coulomb()), PlaneWall("right", 0, 1, MARGIN + 2, Coulomb()),
-        PlaneWall("floor", 1, -1, MARGIN, Glide()),
+        PlaneWall("floor", 1, -1, MARGIN, Frictionless()),
     )  # fmt: skip
     body = solver(particles, grid, shape, law, walls, filtering=filtering)
     c = math.sqrt(law.young_modulus_Pa / DENSITY)

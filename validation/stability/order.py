@@ -9,7 +9,7 @@ from taichi_silo.mpm.laws import Elastic
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.velocity_transfer import TRANSFERS, Flip
-from taichi_silo.mpm.walls import Glide, PlaneWall
+from taichi_silo.mpm.walls import Frictionless, PlaneWall
 from validation.stability.bodies import block, change, solver
 from validation.stability.cell import Cell, cells_of
 
@@ -34,8 +34,8 @@ def bar(shape, cells: int, amplitude: float = 0.05, transfer=None, update: str =
         extra=Particles.extras(LAW, shape, transfer),
     )  # fmt: skip
     walls = (
-        PlaneWall("left", 0, -1, MARGIN, Glide()), PlaneWall("right", 0, 1, cells + MARGIN, Glide()),
-        PlaneWall("bottom", 1, -1, MARGIN, Glide()), PlaneWall("top", 1, 1, MARGIN + 2, Glide()),
+        PlaneWall("left", 0, -1, MARGIN, Frictionless()), PlaneWall("right", 0, 1, cells + MARGIN, Frictionless()),
+        PlaneWall("bottom", 1, -1, MARGIN, Frictionless()), PlaneWall("top", 1, 1, MARGIN + 2, Frictionless()),
     )  # fmt: skip
     body = solver(particles, grid, shape, LAW, walls, transfer=transfer, stress_update=update)
     X = particles.arrays()["position"][:, 0]

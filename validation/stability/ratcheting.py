@@ -72,9 +72,9 @@ def shaken(simulation: Simulation) -> list[float]:
     for _ in range(round(SHAKEN_S * FREQUENCY_HZ)):
         impulse = 0.0
         for pair in ((0.0, top), (top, 0.0), (0.0, -top), (-top, 0.0)):
-            steps = max(1, math.ceil(quarter / (0.9 * solver.survey().stable_step)))
+            steps = max(1, math.ceil(quarter / (0.9 * solver.point_sums().stable_step)))
             solver.advance(steps, quarter / steps, (g, g), pair)
-            reaction, _ = solver.books.take()
+            reaction, _ = solver.impulses.read_and_reset()
             impulse += 0.5 * (reaction[LEFT, :, 0].sum() - reaction[RIGHT, :, 0].sum())
         found.append(float(impulse * FREQUENCY_HZ))
     return found

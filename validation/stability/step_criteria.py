@@ -37,7 +37,7 @@ class Criteria:
 
     def take(self, dt: float) -> dict[str, float]:
         """Time steps [s] by criterion; `dt` is the step that made the present velocities."""
-        survey = self.solver.survey()
+        survey = self.solver.point_sums()
         self._take(dt)
         square, inverse = self.found.to_numpy()
         return {
@@ -74,8 +74,8 @@ def at_point(s: ti.template(), p, dt):
                 slope = (gx[a] * sy[b] * dx) ** 2 + (sx[a] * gy[b] * dy) ** 2
                 if weight > 0.0:
                     total += slope / weight
-    L = gradient(s.particles, s.grid, s.shape, s.grid.velocity, s.setting.geometry, p, 0)
-    A = gradient(s.particles, s.grid, s.shape, s.grid.change, s.setting.geometry, p, 0)
+    L = gradient(s.particles, s.grid, s.shape, s.grid.velocity, s.surroundings.geometry, p, 0)
+    A = gradient(s.particles, s.grid, s.shape, s.grid.change, s.surroundings.geometry, p, 0)
     v = ti.sqrt(L[0] ** 2 + L[1] ** 2 + L[2] ** 2 + L[3] ** 2)
     turn = ti.sqrt(A[0] ** 2 + A[1] ** 2 + A[2] ** 2 + A[3] ** 2) / dt
     return square * total, 0.5 * (v + ti.sqrt(v * v + 4.0 * turn))

@@ -44,10 +44,10 @@ class Block:
     def survives(self, dt: float) -> bool:
         """Whether the energy stays bounded over some thousand steps."""
         self.particles.load(self.start)
-        first = self.body.survey().kinetic_energy
+        first = self.body.point_sums().kinetic_energy
         for _ in range(8):
             self.body.advance(STEPS // 8, dt)
-            found = self.body.survey()
+            found = self.body.point_sums()
             if found.strays or not found.kinetic_energy < GROWTH * first:
                 return False
         return True

@@ -87,12 +87,12 @@ def pushed(shape_name: str, friction_deg: float = 20.0, speed: float = 1.0) -> d
     body = solver(particles, grid, shape, law, walls, control=NoiseControl(relaxation=50.0))
     nearest, strays, time = np.inf, 0, 0.0
     while time < 0.3 and not strays:
-        dt = min(2e-5, 0.9 * body.survey().stable_step)
+        dt = min(2e-5, 0.9 * body.point_sums().stable_step)
         body.advance(50, dt, gravity=(9.81, 9.81))
         time += 50 * dt
         place = particles.arrays()["position"]
         nearest = min(nearest, float(place[:, 0].min()), float(place[:, 1].min()))
-        strays = body.survey().strays
+        strays = body.point_sums().strays
     return {"through": max(0.0, 0.5 * cell - nearest) / (0.5 * cell), "bad": float(strays)}
 
 

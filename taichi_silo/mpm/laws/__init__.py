@@ -4,7 +4,7 @@ The contract of a law, a frozen dataclass (so that equal laws share one compiled
 
 `factors(stress, void_ratio)`
     what changes slowly with the state and is dear to compute: exponentials, powers.
-`later(factors, growth_of_trace, swelling)`
+`advanced_factors(factors, growth_of_trace, swelling)`
     those after small changes of tr T [Pa] and of the void ratio, without computing them anew.
 `rate(stress, h, factors, D, d_bar)`
     Jaumann stress rate [Pa/s] of a stress (xx, yy, zz, xy) [Pa, tension positive] under the strain rate D [1/s];
@@ -23,7 +23,7 @@ The contract of a law, a frozen dataclass (so that equal laws share one compiled
     the greatest void ratio that a point is given; sand that separates further keeps it.
 `REMEMBERS`
     whether the points carry a tensor h of past strain for it. If so, also `radius` (the bound of |h|),
-    `memory_rate(h, D)`, its Jaumann rate, and `remembered(h)`, h pulled back to its bound.
+    `memory_rate(h, D)`, its Jaumann rate, and `bounded_memory(h)`, h pulled back to its bound.
 
 `integrate.update` drives any of them over a step. A new law is one file with these members.
 """

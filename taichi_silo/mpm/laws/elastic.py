@@ -38,7 +38,7 @@ class Elastic:
         return (0.0 * void_ratio,)
 
     @ti.func
-    def later(self, factors, growth_of_trace, swelling):
+    def advanced_factors(self, factors, growth_of_trace, swelling):
         """The same."""
         return factors
 

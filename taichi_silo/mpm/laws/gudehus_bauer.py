@@ -73,7 +73,7 @@ class GudehusBauer:
 
     @ti.func
     def factors(self, stress, void_ratio):
-        """Barotropy f_s [Pa], pyknotropy f_d, 1 / tr T [1/Pa], and the derivatives that `later` needs.
+        """Barotropy f_s [Pa], pyknotropy f_d, 1 / tr T [1/Pa], and the derivatives that `advanced_factors` needs.
 
         The void ratio is kept within e_d and e_i. Divisions cost more than all the rest: four share one.
         """
@@ -100,7 +100,7 @@ class GudehusBauer:
         return f_s, f_d, per_pressure * (-1.0 / 3.0), stiffening, softening, loosening, e * fading
 
     @ti.func
-    def later(self, factors, growth_of_trace, swelling):
+    def advanced_factors(self, factors, growth_of_trace, swelling):
         """The factors after small changes of tr T [Pa] and of the void ratio."""
         f_s, f_d, per_trace, stiffening, softening, loosening, fading = factors
         rise = ti.max(ti.min(growth_of_trace * per_trace, 0.1), -0.1)

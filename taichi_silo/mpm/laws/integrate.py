@@ -2,8 +2,8 @@
 
 After Sloan (1987) a step is done by Euler's rule and by Heun's; their difference is the error of the former, and
 decides whether the latter is kept, or the step divided. At the first try the second rate takes over the factors of
-the first (`law.later`), so that a step that is not divided computes the exponential and the powers once. Source: S.
-W. Sloan, Int. J. Numer. Meth. Eng. 24 (1987) 893-911.
+the first (`law.advanced_factors`), so that a step that is not divided computes the exponential and the powers once.
+Source: S. W. Sloan, Int. J. Numer. Meth. Eng. 24 (1987) 893-911.
 """
 
 import taichi as ti
@@ -31,10 +31,10 @@ def memory_rate(law: ti.template(), h, D, spin):
 
 
 @ti.func
-def remembered(law: ti.template(), h, rate, dt):
+def bounded_memory(law: ti.template(), h, rate, dt):
     """The intergranular strain after dt at a rate, pulled back to its bound."""
     if ti.static(law.REMEMBERS):
-        return law.remembered(added(h, rate, dt))
+        return law.bounded_memory(added(h, rate, dt))
     return h
 
 
@@ -64,7 +64,7 @@ def march(law: ti.template(), stress, h, void_ratio, D, spin, d_bar, dt):
         h_rate = memory_rate(law, now_h, D, spin)
         e_after = (1.0 + e) * growth(trace(D) * step) - 1.0
         tried = law.admissible(added(now, rate, step), e_after)
-        tried_h = remembered(law, now_h, h_rate, step)
+        tried_h = bounded_memory(law, now_h, h_rate, step)
         rate_after = total_rate(law, tried, tried_h, law.factors(tried, e_after), D, spin, d_bar)
         h_rate_after = memory_rate(law, tried_h, D, spin)
         square, size = euler_error(law, now, rate, rate_after, h_rate, h_rate_after, step)
@@ -73,7 +73,7 @@ def march(law: ti.template(), stress, h, void_ratio, D, spin, d_bar, dt):
         good = ti.select(error > LOCAL_ERROR, ti.select(part > SMALLEST_PART, 0.0 * left, left), left) > 0.0
         heun = law.admissible(added(now, added(rate, rate_after, 1.0), 0.5 * step), e_after)
         s0, s1, s2, s3 = chosen(good, heun, now)
-        h0, h1, h2, h3 = chosen(good, remembered(law, now_h, added(h_rate, h_rate_after, 1.0), 0.5 * step), now_h)
+        h0, h1, h2, h3 = chosen(good, bounded_memory(law, now_h, added(h_rate, h_rate_after, 1.0), 0.5 * step), now_h)
         e = ti.select(good, e_after, e)
         remains = ti.select(left - part > 1e-12, left - part, 0.0 * left)
         left = ti.select(good, remains, left)
@@ -105,12 +105,12 @@ def update(law: ti.template(), stress, h, void_ratio, D, spin, d_bar, dt):
     factors = law.factors(stress, void_ratio)
     rate, h_rate = total_rate(law, stress, h, factors, D, spin, d_bar), memory_rate(law, h, D, spin)
     e = (1.0 + void_ratio) * growth(trace(D) * dt) - 1.0
-    later = law.later(factors, dt * trace(rate), e - void_ratio)
-    tried, tried_h = added(stress, rate, dt), remembered(law, h, h_rate, dt)
+    later = law.advanced_factors(factors, dt * trace(rate), e - void_ratio)
+    tried, tried_h = added(stress, rate, dt), bounded_memory(law, h, h_rate, dt)
     rate_after = total_rate(law, tried, tried_h, later, D, spin, d_bar)
     h_rate_after = memory_rate(law, tried_h, D, spin)
     s0, s1, s2, s3 = law.admissible(added(stress, added(rate, rate_after, 1.0), 0.5 * dt), e)
-    h0, h1, h2, h3 = remembered(law, h, added(h_rate, h_rate_after, 1.0), 0.5 * dt)
+    h0, h1, h2, h3 = bounded_memory(law, h, added(h_rate, h_rate_after, 1.0), 0.5 * dt)
     square, size = euler_error(law, stress, rate, rate_after, h_rate, h_rate_after, dt)
     excess = square - LOCAL_ERROR**2 * size
     if greatest(excess) > 0.0:

@@ -87,9 +87,9 @@ class Intergranular:
         return self.skeleton.factors(stress, void_ratio)
 
     @ti.func
-    def later(self, factors, growth_of_trace, swelling):
+    def advanced_factors(self, factors, growth_of_trace, swelling):
         """As the skeleton says."""
-        return self.skeleton.later(factors, growth_of_trace, swelling)
+        return self.skeleton.advanced_factors(factors, growth_of_trace, swelling)
 
     @ti.func
     def rate(self, stress, h, factors, D, d_bar):
@@ -113,7 +113,7 @@ class Intergranular:
         return added(D, along_h, 0.0 - ti.max(inner(along_h, D), 0.0) * power(rho, self.beta_r))
 
     @ti.func
-    def remembered(self, h):
+    def bounded_memory(self, h):
         """The tensor h, pulled back to |h| <= R."""
         return scaled(h, ti.min(1.0, self.radius / (norm(h) + 1e-30)))
 

@@ -8,9 +8,9 @@ velocity as a multiple, along x and y, of the plate velocity of the step):
 `slot(i, j)`    where along the wall the reaction of the node is booked
 """
 
-from taichi_silo.mpm.walls.contact import Coulomb, Glide, Grip, NoSlip
+from taichi_silo.mpm.walls.contact import Coulomb, Frictionless, NoSlip, RoughFree
 from taichi_silo.mpm.walls.outlets import Gate, OpenFloor
-from taichi_silo.mpm.walls.planes import Pin, PlaneWall
+from taichi_silo.mpm.walls.planes import FixedNode, PlaneWall
 from taichi_silo.mpm.walls.surfaces import Surface
 
-__all__ = ["Coulomb", "Gate", "Glide", "Grip", "NoSlip", "OpenFloor", "Pin", "PlaneWall", "Surface"]
+__all__ = ["Coulomb", "Gate", "Frictionless", "RoughFree", "NoSlip", "OpenFloor", "FixedNode", "PlaneWall", "Surface"]

@@ -51,7 +51,7 @@ class NoSlip:
 
 
 @dataclass(frozen=True)
-class Glide:
+class Frictionless:
     """A smooth plate from which the sand does not part: the axis of symmetry, the plates of a specimen."""
 
     @ti.func
@@ -62,7 +62,7 @@ class Glide:
 
 
 @dataclass(frozen=True)
-class Grip:
+class RoughFree:
     """A rough plate that floats on the sand: no sliding, free along its normal (the top of a shear box)."""
 
     @ti.func

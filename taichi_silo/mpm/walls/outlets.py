@@ -12,7 +12,7 @@ from taichi_silo.mpm.walls.contact import Coulomb, NoSlip
 
 
 @dataclass(frozen=True)
-class Level:
+class FloorRow:
     """What lies below a row of nodes.
 
     Parameters
@@ -40,7 +40,7 @@ class Level:
 
 
 @dataclass(frozen=True)
-class OpenFloor(Level):
+class OpenFloor(FloorRow):
     """The floor beside the opening; it stands still."""
 
     name: str = "floor"
@@ -55,7 +55,7 @@ class OpenFloor(Level):
 
 
 @dataclass(frozen=True)
-class Gate(Level):
+class Gate(FloorRow):
     """What the sand in the opening stands on: it sinks with the plate velocity, and the sand with it.
 
     A gate that recedes faster than sand can follow is an open one.

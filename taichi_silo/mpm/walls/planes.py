@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from taichi_silo.mpm.walls.contact import Coulomb, Glide, Grip, NoSlip
+from taichi_silo.mpm.walls.contact import Coulomb, Frictionless, NoSlip, RoughFree
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class PlaneWall:
     axis: int
     side: int
     node: int
-    contact: Coulomb | NoSlip | Glide | Grip
+    contact: Coulomb | NoSlip | Frictionless | RoughFree
     motion: tuple[float, float] = (0.0, 0.0)
     lowest: int = 0
 
@@ -54,7 +54,7 @@ class PlaneWall:
 
 
 @dataclass(frozen=True)
-class Pin:
+class FixedNode:
     """One node that does not move along x.
 
     Parameters
@@ -66,7 +66,7 @@ class Pin:
     column: int
     row: int
     name: str = "pin"
-    contact: Glide = Glide()
+    contact: Frictionless = Frictionless()
     motion: tuple[float, float] = (0.0, 0.0)
 
     @ti.func
