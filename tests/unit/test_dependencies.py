@@ -7,8 +7,10 @@ from pathlib import Path
 from checks.lock import ROOT, declared
 
 PACKAGE = ROOT / "taichi_silo"
-NAMES = {"PIL": "pillow", "imageio_ffmpeg": "imageio-ffmpeg", "tomli_w": "tomli-w", "dask_jobqueue": "dask-jobqueue"}
-BROUGHT = {"dask": "distributed", "pydantic_core": "pydantic", "markupsafe": "jinja2"}  # by what is built on them
+NAMES = {"PIL": "pillow", "tomli_w": "tomli-w", "dask_jobqueue": "dask-jobqueue"}
+BROUGHT = {  # by what is built on them
+    "imageio_ffmpeg": "imageio", "dask": "distributed", "pydantic_core": "pydantic", "markupsafe": "jinja2",
+}  # fmt: skip
 OPTIONAL = ("cluster", "drawings")  # parts that a user may leave out
 
 
