@@ -10,8 +10,8 @@ from pathlib import Path
 
 import tomli_w
 
-from taichi_silo.analysis.point_fields import FIELDS
 from taichi_silo.errors import BadInput
+from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.scene.symmetry import half_model

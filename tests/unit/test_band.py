@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from taichi_silo.analysis.measure.band import shear_band
+from validation.biaxial.band import shear_band
 
 SPACING = 1.0e-3
 

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from taichi_silo.analysis.theory.bifurcation import band_sizes, first_bifurcation
 from taichi_silo.mpm.laws import Elastic, GudehusBauer
 from taichi_silo.mpm.laws.stress_point import StressPoint
+from validation.biaxial.bifurcation import band_sizes, first_bifurcation
 from validation.biaxial.bounds import homogeneous
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo.analysis.measure.certificate import certificate, noise
+from taichi_silo.runs.certificate import certificate, noise
 from taichi_silo.scene.scene import Flow, Scene
 
 PERIOD, INTERVAL = 0.02, 0.002

@@ -8,11 +8,11 @@ import pytest
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
-from taichi_silo.analysis.point_fields import FIELDS
 from taichi_silo.cli import app
 from taichi_silo.errors import BadInput
 from taichi_silo.runs import snapshot
 from taichi_silo.runs.history import History
+from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.show.export import vtkhdf
 from tests import made_up
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from taichi_silo.analysis.point_fields import FIELDS, Scale, field, nice
 from taichi_silo.errors import BadInput
+from taichi_silo.runs.point_fields import FIELDS, Scale, field, nice
 from tests import made_up
 
 SCENE = made_up.scene()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from taichi_silo.analysis.point_fields import Scale
+from taichi_silo.runs.point_fields import Scale
 from taichi_silo.show.film.canvas import BACKGROUND, Canvas
 from taichi_silo.show.film.film import Film
 from taichi_silo.show.film.picture import Picture

@@ -10,12 +10,12 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from taichi_silo.analysis.point_fields import FIELDS
 from taichi_silo.cli import app
 from taichi_silo.cli.commands import render
 from taichi_silo.errors import BadInput, RunFailed
 from taichi_silo.runs import snapshot
 from taichi_silo.runs.history import History
+from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.runs.session import run
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene
 from taichi_silo.scene.silo import Outlet, Silo

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from taichi_silo.analysis.measure.shear_zones import interior_zone_count, wall_zone_thickness_m
+from taichi_silo.analysis.measure.void_ratio_zones import interior_zone_count, wall_zone_thickness_m
 
 WIDTH, HEIGHT = 0.2, 0.5
 

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from taichi_silo.analysis.measure.matching import matched
-from taichi_silo.analysis.theory.of_scene import theory_of
 from taichi_silo.cli.scenario_flags import Controlled
 from taichi_silo.mpm.walls.surfaces import Surfaces
+from taichi_silo.runs.theories import theory_of
 from taichi_silo.scene.scene import Mesh, Scene
 from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
 from taichi_silo.simulation.discretise import Section, grid_of, surfaces_of

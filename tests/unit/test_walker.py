@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
-from taichi_silo.analysis.theory.walker import Hopper, discharge_factor, filling_factor
+from taichi_silo.analysis.theory.walker import WalkerHopper, discharge_factor, filling_factor
 
 hoppers = st.builds(
-    Hopper,
+    WalkerHopper,
     width_m=st.floats(0.2, 10.0),
     outlet_m=st.floats(0.02, 0.15),
     half_angle_deg=st.floats(5.0, 40.0),
@@ -26,7 +26,7 @@ hoppers = st.builds(
 
 # beta with tan = 0.5, mu = 0.4, gamma = 10 kN/m3, width 2 m: h_h = 1 / 0.5 = 2 m
 BETA, PHI_W = np.degrees(np.arctan(0.5)), np.degrees(np.arctan(0.4))
-CONE = Hopper(2.0, 1.0, BETA, 10e3, PHI_W, 30e3, "filling", "round")
+CONE = WalkerHopper(2.0, 1.0, BETA, 10e3, PHI_W, 30e3, "filling", "round")
 
 
 def test_filling_of_a_cone_by_hand():
@@ -95,7 +95,7 @@ def _centre(normal, shear, sin_phi):
 def test_exponent_of_filling_is_that_of_the_eurocode(beta, mu, order):
     # EN 1991-4 (6.28): n = S (1 - b) mu cot(beta)
     section = {1: "plane", 2: "round"}[order]
-    hopper = Hopper(2.0, 1.0, beta, 1e4, np.degrees(np.arctan(mu)), 0.0, "filling", section)
+    hopper = WalkerHopper(2.0, 1.0, beta, 1e4, np.degrees(np.arctan(mu)), 0.0, "filling", section)
     assert hopper.exponent == pytest.approx(order * 0.8 * mu / np.tan(np.radians(beta)), rel=1e-9, abs=1e-12)
     assert 0.8 < filling_factor(beta, mu) < 1.0
 
@@ -143,7 +143,7 @@ def test_printed_exponent_of_the_eurocode_is_out_of_balance_for_a_wedge_only():
 
 @pytest.mark.parametrize("section", ["plane", "round"])
 def test_a_fluid_presses_by_its_depth(section):
-    fluid = Hopper(2.0, 0.1, BETA, 10e3, 0.0, 5e3, 1.0, section)
+    fluid = WalkerHopper(2.0, 0.1, BETA, 10e3, 0.0, 5e3, 1.0, section)
     x = np.linspace(fluid.outlet_height_m, fluid.transition_height_m, 9)
     np.testing.assert_allclose(fluid.normal_stress_Pa(x), 5e3 + 10e3 * (2.0 - x), rtol=1e-12)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, SURFACE, cell_mean
 from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.observers.wall_profiles import wall_stress
 from taichi_silo.simulation.simulation import LEFT, RIGHT
@@ -13,8 +13,6 @@ from taichi_silo.simulation.simulation import LEFT, RIGHT
 BINS = 100  # of the whole displacement
 FIRST_BIN = 2  # the bottom goes through the first two in about one period of the column: waves, not yet forces of flow
 RESIDUAL_FROM = 0.8  # of the displacement: the window of residual forces and of the wall profile
-CORNER_M = 0.0125  # above the bottom: stresses there belong to the corner
-SURFACE = 0.9  # of the fill height: the stress above is a few pascals
 FINE_M, SPACING_M = 0.0025, 0.01  # of heights: while smoothing, and kept
 
 

@@ -16,10 +16,10 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from taichi_silo.analysis.measure.certificate import certificate
-from taichi_silo.analysis.measure.shear_zones import wall_zone_thickness_m
+from taichi_silo.analysis.measure.void_ratio_zones import wall_zone_thickness_m
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import runtime
+from taichi_silo.runs.certificate import certificate
 from taichi_silo.runs.cost_estimate import predict
 from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.observers.guard import Guard

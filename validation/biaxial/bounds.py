@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from taichi_silo.analysis.theory.bifurcation import first_bifurcation
 from taichi_silo.mpm.laws.stress_point import StressPoint
 from taichi_silo.studies.element_tests import TESTS, friction_angle_deg, through_point
+from validation.biaxial.bifurcation import first_bifurcation
 from validation.biaxial.scene import BiaxialScene
 
 

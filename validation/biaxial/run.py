@@ -11,11 +11,11 @@ import pandas as pd
 from matplotlib import rc_context
 from rich.console import Console
 
-from taichi_silo.analysis.measure.band import Band, shear_band
 from taichi_silo.errors import RunFailed
 from taichi_silo.runs.run_folder import claim, write_tables
 from taichi_silo.show.figures.style import STYLE
 from taichi_silo.utils import vtu
+from validation.biaxial.band import Band, shear_band
 from validation.biaxial.compression import Biaxial
 from validation.biaxial.figures import load_figure, specimens_figure
 from validation.biaxial.scene import BiaxialScene

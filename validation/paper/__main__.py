@@ -13,7 +13,6 @@ from typing import Annotated
 import pandas as pd
 from typer import Option
 
-from taichi_silo.analysis.measure.one_line import one_line
 from taichi_silo.cli import command_line
 from taichi_silo.errors import BadInput, RunFailed
 from taichi_silo.runs.run_folder import writable
@@ -22,6 +21,7 @@ from taichi_silo.studies.sweep.runs import Run, simulate
 from validation.paper import check
 from validation.paper.cases import CASES
 from validation.paper.figures import plot_paper
+from validation.paper.one_line import one_line
 from validation.paper.scenes import scenes
 
 

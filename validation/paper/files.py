@@ -8,15 +8,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, SURFACE, cell_mean
 from taichi_silo.errors import RunFailed
 from taichi_silo.runs.snapshot import figured
 from taichi_silo.utils import vtu
 from validation.paper.cases import CASES, Case
 
 PERIOD = 10  # rows of forces.csv in one period of the column, over which forces are averaged
-CORNER_M = 0.0125  # above the lowest place: wall stresses there belong to the corner
-TOP_SHARE = 0.9  # of the fill height: above it the stresses are next to nothing
 FORCES = {"P": "bottom_force_N_per_m", "angle": "wall_friction_angle_deg"}
 
 
@@ -165,7 +163,7 @@ class RunFiles:
         clear = CORNER_M
         if reading == "cell":
             value, clear = cell_mean(height, value), clear + 0.5 * CELL_M
-        chosen = (height > clear) & (height < TOP_SHARE * self.case.silo_height_m) & np.isfinite(value)
+        chosen = (height > clear) & (height < SURFACE * self.case.silo_height_m) & np.isfinite(value)
         return height[chosen], value[chosen]
 
     @cached_property

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
-from taichi_silo.analysis.measure.shear_zones import interior_zone_count, wall_zone_thickness_m
+from taichi_silo.analysis.measure.void_ratio_zones import interior_zone_count, wall_zone_thickness_m
 from validation.paper.files import RunFiles
 
 RASTER_M = 0.001

@@ -1,6 +1,7 @@
 """Net deformation between two states of the same points, from their positions alone."""
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 NEIGHBOURS = 9  # the point itself and its ring on a square lattice
@@ -16,18 +17,18 @@ class Rings:
 
     """
 
-    def __init__(self, before: np.ndarray):
+    def __init__(self, before: NDArray) -> None:
         _, self.index = cKDTree(before).query(before, k=min(NEIGHBOURS, len(before)))
         edges = before[self.index] - before[:, None]
         self.weights = edges @ _inverse(np.swapaxes(edges, 1, 2) @ edges)
 
-    def net_shear(self, after: np.ndarray) -> np.ndarray:
-        """Net strain (n,) of each point other than vertical shortening: what a column that only settles does not have.
+    def net_shear(self, after: NDArray) -> NDArray:
+        """Net strain (n,) of each point, vertical shortening left out: 0 in a column that only settles [-].
 
-        A deformation gradient F is fitted by least squares to the nearest neighbours; the result is
-        sqrt(E_xx^2 + 2 E_xy^2 + max(E_yy, 0)^2) of the Green-Lagrange strain, which neither a rotation nor an
-        oscillation changes. Compaction between rigid walls, as by ratcheting, shortens the column and is not counted as
-        shear; sand that is drawn into an outlet is stretched, and is.
+        `after` are the positions now, (n, 2) [m]. A deformation gradient F is fitted by least squares to the nearest
+        neighbours; the result is sqrt(E_xx^2 + 2 E_xy^2 + max(E_yy, 0)^2) of the Green-Lagrange strain, which neither a
+        rotation nor an oscillation changes. Compaction between rigid walls, as by ratcheting, shortens the column and
+        does not count as shear; sand that is drawn into an outlet is stretched, and does.
         """
         moved = after[self.index] - after[:, None]
         gradient = np.swapaxes(moved, 1, 2) @ self.weights
@@ -36,13 +37,8 @@ class Rings:
         return np.sqrt(strain[:, 0, 0] ** 2 + 2.0 * strain[:, 0, 1] ** 2 + stretched**2)
 
 
-def net_shear(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """`Rings.net_shear` between two states, (n, 2) positions each [m]."""
-    return Rings(before).net_shear(after)
-
-
-def _inverse(gram: np.ndarray) -> np.ndarray:
-    """Of symmetric matrices (n, 2, 2); the pseudo-inverse of those that have none."""
+def _inverse(gram: NDArray) -> NDArray:
+    """Inverse of symmetric matrices (n, 2, 2); the pseudo-inverse where neighbours stand in a line."""
     a, b, d = gram[:, 0, 0], gram[:, 0, 1], gram[:, 1, 1]
     determinant = a * d - b * b
     flat = determinant <= FLAT * (a + d) ** 2

@@ -24,14 +24,15 @@ speed that changes with time (free outflow) must be that of the same interval.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import uniform_filter1d
 
-from taichi_silo.analysis.measure.raster import Raster, clean
+from taichi_silo.analysis.measure.raster import Raster, clean, first_fall
+from taichi_silo.analysis.measure.wall_pressure import SURFACE
 
 MOVES = 0.1  # of the reference speed, from which on sand moves
 STAGNANT = 0.05  # of the reference speed: while the fill's own volume runs out, such sand sinks 1/20 of the height
 LAYER = 0.05  # of the width: thickness and height of the part of the wall layer that a speed is the mean of
-SURFACE = 0.9  # of the fill height: a channel that meets the wall above does so at the free surface
 
 
 @dataclass(frozen=True)
@@ -54,12 +55,18 @@ class FlowPattern:
     transition_left_m: float
     transition_right_m: float
     stagnant_area_share: float
-    height_m: np.ndarray
-    x_left_m: np.ndarray
-    x_right_m: np.ndarray
+    height_m: NDArray
+    x_left_m: NDArray
+    x_right_m: NDArray
 
 
-def mean_velocity(before, after, interval_s: float, identity_before=None, identity_after=None):
+def mean_velocity(
+    before: ArrayLike,
+    after: ArrayLike,
+    interval_s: float,
+    identity_before: ArrayLike | None = None,
+    identity_after: ArrayLike | None = None,
+) -> tuple[NDArray, NDArray, NDArray]:
     """Mean velocity between two snapshots of the points that are in both.
 
     Parameters
@@ -94,9 +101,9 @@ def mean_velocity(before, after, interval_s: float, identity_before=None, identi
 
 
 def flow_pattern(
-    position,
-    velocity,
-    volume,
+    position: ArrayLike,
+    velocity: ArrayLike,
+    volume: ArrayLike,
     width_m: float,
     fill_height_m: float,
     reference_speed_m_per_s: float,
@@ -148,12 +155,15 @@ def flow_pattern(
 
 
 def _kind(left: float, right: float) -> str:
+    """Kind of flow from both walls' transitions."""
     if left == right == 0.0:
         return "mass"
     return "funnel" if np.isnan(left) and np.isnan(right) else "mixed"
 
 
-def _transition(height, relative, volume, window, top, threshold) -> float:
+def _transition(
+    height: NDArray, relative: NDArray, volume: NDArray, window: float, top: float, threshold: float
+) -> float:
     """Lowest height above which all means over windows of the wall layer reach the threshold."""
     middle = np.arange(0.5 * window, max(top, 0.6 * window), 0.125 * window)
     order = np.argsort(height, kind="stable")
@@ -176,8 +186,10 @@ def _transition(height, relative, volume, window, top, threshold) -> float:
     return float(middle[k] + share * (middle[k + 1] - middle[k]))
 
 
-def _channel(points, relative, width_m, spacing, window, top, threshold):
-    """Heights, and both boundaries about the fastest place of each row."""
+def _channel(
+    points: NDArray, relative: NDArray, width_m: float, spacing: float, window: float, top: float, threshold: float
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Heights of rows, and the channel's left and right boundary about the fastest place of each [m]."""
     raster = Raster.over(points, width_m, spacing, bottom_m=0.0, top_m=top)
     rows = 2 * int(0.5 * window / raster.cell_m) + 1
     field = uniform_filter1d(raster.of(relative), rows, axis=0, mode="nearest")
@@ -185,15 +197,6 @@ def _channel(points, relative, width_m, spacing, window, top, threshold):
     there = raster.inside.any(axis=1)
     for row in np.flatnonzero(there & (field.max(axis=1) >= threshold)):
         fastest = int(np.argmax(field[row]))
-        right[row] = _fall(raster.x_m[fastest:], field[row, fastest:], threshold, width_m)
-        left[row] = _fall(raster.x_m[fastest::-1], field[row, fastest::-1], threshold, 0.0)
+        right[row] = first_fall(raster.x_m[fastest:], field[row, fastest:], threshold, never=width_m)
+        left[row] = first_fall(raster.x_m[fastest::-1], field[row, fastest::-1], threshold, never=0.0)
     return raster.y_m, left, right
-
-
-def _fall(x, value, threshold: float, wall_m: float) -> float:
-    """First place along x at which the value falls to the threshold; the wall if it never does."""
-    below = np.flatnonzero(value < threshold)
-    if not len(below):
-        return wall_m
-    k = below[0] - 1
-    return float(x[k] + (value[k] - threshold) / (value[k] - value[k + 1]) * (x[k + 1] - x[k]))

@@ -1,12 +1,13 @@
-"""The same points in two states, of which some may have left between."""
+"""Points of an earlier state that are still there in a later one."""
 
 import numpy as np
 
 
 def matched(before: dict, now: dict) -> dict:
-    """Of the arrays of an earlier state those of the points that are there now, in the present order.
+    """Return the earlier state, restricted to the points that are there now, in the present order.
 
-    Points are known by `identity`; states without it have the same points. What is no array stays as it is.
+    Both are dictionaries of arrays with a row for each point; `identity` says which point a row is. States without it
+    have the same points. Values that are not such arrays are kept.
     """
     if "identity" not in before or "identity" not in now:
         return before

@@ -12,10 +12,10 @@ the greatest stress anywhere may lie elsewhere.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, cell_mean
 
-CORNER_M = 0.0125  # above the bottom: stresses there belong to the corner, as in the summary of a run
 LEAST_SHARE = 0.1  # of the greatest filling stress on a wall; below, no factor
 
 
@@ -42,15 +42,15 @@ class Overpressure:
     record: int
     stress_Pa: float
     filling_stress_Pa: float
-    factor_by_height: np.ndarray
+    factor_by_height: NDArray
 
 
 def largest_overpressure(
-    time_s,
-    height_m,
-    normal_stress_Pa,
-    filling_stress_Pa,
-    displacement_m=None,
+    time_s: ArrayLike,
+    height_m: ArrayLike,
+    normal_stress_Pa: ArrayLike,
+    filling_stress_Pa: ArrayLike,
+    displacement_m: ArrayLike | None = None,
     cell_m: float = CELL_M,
     corner_m: float = CORNER_M,
     least_share: float = LEAST_SHARE,
@@ -110,7 +110,7 @@ def largest_overpressure(
     )
 
 
-def _read(reader, stress):
+def _read(reader: NDArray, stress: NDArray) -> NDArray:
     """Cell means of stresses (..., heights); nan where the cell covers a node without stress."""
     known = np.isfinite(stress)
     mean = np.where(known, stress, 0.0) @ reader.T

@@ -17,6 +17,7 @@ with it, and streamlines that pass within a spacing of the outlet's edge may mis
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from taichi_silo.analysis.measure.raster import Raster, clean
 
@@ -46,13 +47,13 @@ class Residence:
     over_plug: tuple[float, ...]
     never_share: float
     first_from_surface: float
-    time_s: np.ndarray
+    time_s: NDArray
 
 
 def residence(
-    position,
-    velocity,
-    volume,
+    position: ArrayLike,
+    velocity: ArrayLike,
+    volume: ArrayLike,
     width_m: float,
     outflow_m2_per_s: float,
     outlet_m: tuple[float, float] | None = None,
@@ -110,14 +111,22 @@ def residence(
     )
 
 
-def _times(points, raster, flow, width_m, outlet, bottom_m, longest_s):
+def _times(
+    points: NDArray,
+    raster: Raster,
+    flow: NDArray,
+    width_m: float,
+    outlet: tuple[float, float],
+    bottom_m: float,
+    longest_s: float,
+) -> NDArray:
     """Time of each point to the outlet [s], by the midpoint rule in steps of equal length; inf if it never comes."""
     fields = [raster.of(flow[:, k]) for k in (0, 1)]
     place, time, arrival = points.copy(), np.zeros(len(points)), np.full(len(points), np.inf)
     on_way, step = np.arange(len(points)), STRIDE * raster.cell_m
     stands = step / longest_s  # slower than this a single step takes longer than the longest time
 
-    def velocity(place):
+    def velocity(place: NDArray) -> NDArray:
         return np.stack([raster.at(field, place) for field in fields], axis=-1)
 
     for _ in range(int(LONGEST_PATH * (width_m + np.ptp(raster.y_m)) / step) + 1):
@@ -139,19 +148,20 @@ def _times(points, raster, flow, width_m, outlet, bottom_m, longest_s):
     return np.where(arrival <= longest_s, arrival, np.inf)
 
 
-def _between_walls(place, width_m, bottom_m):
+def _between_walls(place: NDArray, width_m: float, bottom_m: float) -> NDArray:
+    """Places (n, 2), moved to the nearest one between the walls and above the bottom."""
     return np.column_stack([np.clip(place[:, 0], 0.0, width_m), np.maximum(place[:, 1], bottom_m)])
 
 
-def _at_surface(points, raster, spacing):
-    """Points that are within 1.5 spacings of the highest one of their column of cells."""
+def _at_surface(points: NDArray, raster: Raster, spacing: float) -> NDArray:
+    """Whether points are within 1.5 spacings of the highest one of their column of cells."""
     column = np.clip((points[:, 0] / raster.cell_m).astype(int), 0, len(raster.x_m) - 1)
     highest = np.full(len(raster.x_m), -np.inf)
     np.maximum.at(highest, column, points[:, 1])
     return points[:, 1] > highest[column] - 1.5 * spacing
 
 
-def _quantile(value, weight, level: float) -> float:
+def _quantile(value: NDArray, weight: NDArray, level: float) -> float:
     """Weighted quantile, linear between the middles of the weights; nan of nothing."""
     if not len(value):
         return np.nan

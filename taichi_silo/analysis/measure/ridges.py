@@ -8,6 +8,7 @@ cell (Guo and Hall 1989), and stubs are cut off.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import binary_dilation, convolve, gaussian_filter, label
 
 AROUND = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))  # clockwise from above
@@ -28,18 +29,21 @@ class Ridges:
 
     """
 
-    arms: list[np.ndarray]
+    arms: list[NDArray]
     component: list[int]
     count: int
-    junctions: np.ndarray
+    junctions: NDArray
     ends: list[tuple[bool, bool]]
 
 
-def crest(field, sigma: float):
-    """Smoothed field, whether a crest line passes through a cell, and the curvature across it (1 / cells^2)."""
+def crest(field: NDArray, sigma: float) -> tuple[NDArray, NDArray, NDArray]:
+    """Smooth a field by a bell of `sigma` cells and find its crest lines.
+
+    Returns the smoothed field, whether a crest line passes through a cell, and the curvature across it [1 / cells^2].
+    """
     smooth = gaussian_filter(field, sigma, mode="nearest")
 
-    def slope(*order):
+    def slope(*order: int) -> NDArray:
         return gaussian_filter(field, sigma, order=order, mode="nearest")
 
     gradient = np.stack([slope(1, 0), slope(0, 1)], axis=-1)
@@ -55,8 +59,8 @@ def crest(field, sigma: float):
     return smooth, on, curvature
 
 
-def thin(mask):
-    """Thin to lines of one cell."""
+def thin(mask: ArrayLike) -> NDArray:
+    """Thin a mask (rows, columns) to lines of one cell."""
     mask = np.pad(np.asarray(mask, bool), 1)
     while True:
         before = mask.sum()
@@ -71,8 +75,10 @@ def thin(mask):
             return mask[1:-1, 1:-1]
 
 
-def ridges(mask, close: int, shortest: int, width=None, keep=None) -> Ridges:
-    """Thin lines of a mask of crest cells.
+def ridges(
+    mask: NDArray, close: int, shortest: int, width: NDArray | None = None, keep: NDArray | None = None
+) -> Ridges:
+    """Find the thin lines of a mask of crest cells.
 
     Parameters
     ----------
@@ -101,7 +107,7 @@ def ridges(mask, close: int, shortest: int, width=None, keep=None) -> Ridges:
         lines = thin(lines)
 
 
-def _graph(lines, shortest: int) -> Ridges:
+def _graph(lines: NDArray, shortest: int) -> Ridges:
     """Arms and junctions of thin lines; junctions with a short arm between them are one."""
     crowd = lines & (convolve(lines.astype(int), RING, mode="constant") - 1 >= 3)
     whole, count = label(lines, RING)
@@ -132,8 +138,8 @@ def _graph(lines, shortest: int) -> Ridges:
     return Ridges(arms, component, count, np.array(junctions).reshape(-1, 2), ends)
 
 
-def _ordered(cells):
-    """Cells of a line, from one end to the other."""
+def _ordered(cells: NDArray) -> NDArray:
+    """Cells (k, 2) of a line in order, from one end to the other."""
     near = np.abs(cells[:, None] - cells[None]).max(axis=-1) == 1
     k = int(np.argmin(near.sum(axis=0)))  # an end has one neighbour
     order, left = [k], np.ones(len(cells), bool)

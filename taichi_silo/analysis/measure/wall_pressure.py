@@ -1,11 +1,14 @@
-"""Wall stress as a pressure cell reads it."""
+"""Wall stress as a pressure cell reads it, and where along a wall stresses mean something."""
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-CELL_M = 0.02  # height of the cell: a usual size in model silos, four nodes of the paper's grid
+CELL_M = 0.02  # height of a pressure cell [m]: a usual size in model silos
+CORNER_M = 0.0125  # above the bottom [m]: stresses there belong to the corner
+SURFACE = 0.9  # of the fill height: above, the stress is a few pascals, and the law is not calibrated for it
 
 
-def cell_mean(height_m: np.ndarray, stress_Pa: np.ndarray, cell_m: float = CELL_M) -> np.ndarray:
+def cell_mean(height_m: ArrayLike, stress_Pa: ArrayLike, cell_m: float = CELL_M) -> NDArray:
     """Mean of the nodal stress (piecewise linear) over a pressure cell centred at each node.
 
     Near an end the cell is cut off there. A stress that alternates from node to node averages out.
@@ -27,7 +30,7 @@ def cell_mean(height_m: np.ndarray, stress_Pa: np.ndarray, cell_m: float = CELL_
     middle = 0.5 * (stress[1:] + stress[:-1]) * np.diff(height)
     integral = np.concatenate([[0.0], np.cumsum(middle)])
 
-    def up_to(place):
+    def up_to(place: NDArray) -> NDArray:
         """Exact integral of the piecewise linear stress."""
         k = np.clip(np.searchsorted(height, place, side="right") - 1, 0, len(height) - 2)
         part = place - height[k]

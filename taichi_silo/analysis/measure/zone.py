@@ -3,17 +3,34 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import uniform_filter1d
 
-from taichi_silo.analysis.measure.arcs import chord, circle_curvature, inclinations_deg, parabola_curvature
-from taichi_silo.analysis.measure.band import Spread
 from taichi_silo.analysis.measure.raster import sample, within
-from taichi_silo.analysis.measure.shear_zones import SMALLEST_CHANGE
+from taichi_silo.analysis.measure.void_ratio_zones import SMALLEST_CHANGE
 
 CELLS = 2  # of the raster a spacing
 ARRIVES = 3.0  # spacings, or a thickness: how far before the strip along a wall a zone that reaches it may end
 REACH = 0.3  # of the width: how far the edges of a zone are sought
 FINEST = 0.1  # spacings between the places of a profile
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Median and quartiles."""
+
+    median: float
+    lower: float
+    upper: float
+
+    @classmethod
+    def of(cls, values: ArrayLike) -> "Spread":
+        """Median and quartiles of the finite values; nan if there is none."""
+        values = np.asarray(values, float)
+        values = values[np.isfinite(values)]
+        if not len(values):
+            return cls(np.nan, np.nan, np.nan)
+        return cls(*(float(v) for v in np.quantile(values, (0.5, 0.25, 0.75))))
 
 
 @dataclass(frozen=True)
@@ -24,7 +41,7 @@ class Zone:
     ----------
     component : number of the connected ridge line it belongs to.
     length_m : along its middle.
-    thickness_m : t_s, width at half the greatest excess, over the stations; `half_width_m` is half its median.
+    thickness_m : t_s, width at half the greatest excess, over the stations.
     thickness_over_d50, thickness_over_internal_length : its median over the mean grain diameter and over l_c; nan if
         these are not given.
     strain : greatest excess, over the stations.
@@ -51,27 +68,30 @@ class Zone:
     kind: str
     wall_left_m: float
     wall_right_m: float
-    middle_m: np.ndarray
-
-    @property
-    def half_width_m(self) -> float:
-        """Half-width at half maximum [m]."""
-        return 0.5 * self.thickness_m.median
+    middle_m: NDArray
 
 
 @dataclass(frozen=True)
 class Body:
-    """What all zones are measured on."""
+    """The points that all zones are measured on."""
 
-    points: np.ndarray
-    excess: np.ndarray
-    change: np.ndarray | None
-    spacing: float
-    width: float
-    clear: float
+    points: NDArray  # (n, 2) places [m]
+    excess: NDArray  # (n,) shear strain less its median
+    change: NDArray | None  # (n,) of the void ratio, less its median
+    spacing: float  # of the points [m]
+    width: float  # distance of the walls [m]
+    clear: float  # width of the strip along the walls without ridges [m]
 
 
-def measured_zone(body: Body, arm, component, free, junctions, d50_m, internal_length_m) -> Zone | None:
+def measured_zone(
+    body: Body,
+    arm: NDArray,
+    component: int,
+    free: tuple[bool, bool],
+    junctions: NDArray,
+    d50_m: float,
+    internal_length_m: float,
+) -> Zone | None:
     """Measure an arm of a ridge line.
 
     Parameters
@@ -147,7 +167,7 @@ def measured_zone(body: Body, arm, component, free, junctions, d50_m, internal_l
     )
 
 
-def _stations(arm, spacing):
+def _stations(arm: NDArray, spacing: float) -> tuple[NDArray, NDArray]:
     """Places at every spacing along an arm, and the normals there."""
     smooth = uniform_filter1d(arm.astype(float), 4 * CELLS + 1, axis=0, mode="nearest")
     length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(smooth, axis=0).T))])
@@ -159,7 +179,7 @@ def _stations(arm, spacing):
     return line, np.column_stack([-along[:, 1], along[:, 0]])
 
 
-def _side(values, distance) -> float:
+def _side(values: NDArray, distance: NDArray) -> float:
     """Distance at which a profile has fallen to half of its first value; nan if there is none, or it rises before."""
     half = 0.5 * values[0]
     below = np.flatnonzero(values < half)
@@ -172,7 +192,7 @@ def _side(values, distance) -> float:
     return float(distance[before] + share * (distance[after] - distance[before]))
 
 
-def _meets_walls(body, middle, free, thickness_m) -> tuple[float, float]:
+def _meets_walls(body: Body, middle: NDArray, free: tuple[bool, bool], thickness_m: float) -> tuple[float, float]:
     """Heights at which a zone, prolonged straight on, meets the left and the right wall; nan if it does not."""
     found = [np.nan, np.nan]
     reach = body.clear + max(ARRIVES * body.spacing, thickness_m)
@@ -184,3 +204,45 @@ def _meets_walls(body, middle, free, thickness_m) -> tuple[float, float]:
             if ending and distance <= reach and towards > 0.0:
                 found[wall] = float(tip[0, 1] + run[1] / run[0] * (place - tip[0, 0]))
     return found[0], found[1]
+
+
+# lines through points: inclination and curvature
+
+
+def chord(points: NDArray) -> tuple[NDArray, NDArray]:
+    """Middle of points (n, 2), and direction of the line through them, with x >= 0 (upwards if vertical)."""
+    middle = points.mean(axis=0)
+    along = np.linalg.svd(points - middle, full_matrices=False)[2][0]
+    if along[0] < -1e-12 or (abs(along[0]) <= 1e-12 and along[1] < 0.0):
+        along = -along
+    return middle, along
+
+
+def inclinations_deg(points: NDArray, along: NDArray) -> NDArray:
+    """Angles to the horizontal of the line from point to point, next to that of the direction `along` [deg]."""
+    step = np.diff(points, axis=0)
+    turn = np.arctan2(along[0] * step[:, 1] - along[1] * step[:, 0], step @ along)
+    turn -= np.pi * np.round(turn / np.pi)  # a line has no sense
+    return np.degrees(np.arctan2(along[1], along[0]) + turn)
+
+
+def circle_curvature(points: NDArray) -> float:
+    """Curvature of the circle through points, by least squares; positive if its centre lies above [1/m].
+
+    Linear in the curvature, so that a straight line is a circle too; for arcs up to a half circle.
+    """
+    t, d = _along_and_across(points)
+    (a, b, c), *_ = np.linalg.lstsq(np.column_stack([t**2 + d**2, t, np.ones_like(t)]), d, rcond=None)
+    return float(2.0 * a / np.sqrt(max(1.0 + b**2 - 4.0 * a * c, 1e-12)))
+
+
+def parabola_curvature(points: NDArray) -> float:
+    """Curvature, at its apex, of the parabola through points whose axis is normal to their chord [1/m]."""
+    t, d = _along_and_across(points)
+    return float(2.0 * np.polyfit(t, d, 2)[0])
+
+
+def _along_and_across(points: NDArray) -> tuple[NDArray, NDArray]:
+    """Coordinates along the chord of points and across it [m]."""
+    middle, along = chord(points)
+    return (points - middle) @ along, (points - middle) @ [-along[1], along[0]]

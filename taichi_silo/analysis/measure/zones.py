@@ -3,14 +3,14 @@
 The shear strain (its path length, or its rate) is brought onto a raster of half the point spacing and its ridge lines
 are found (`ridges`). Each arm of a ridge line, from end to end or to the place where it branches, is a zone. It is
 measured in stations, one a spacing, along its normals, from the points themselves: with the excess of the strain over
-the body's median, the thickness t_s is the width where the excess is above half of its peak, the half-width half of
-that, and the zone's middle the centroid of that part. At a wall a zone ends.
+the body's median, the thickness t_s is the width where the excess is above half of its peak, and the zone's
+middle the centroid of that part. At a wall a zone ends.
 
 Known limits:
 
 - Zones narrower than two spacings read 1 to 2 spacings; nothing thinner than about one can be read.
 - Parallel zones whose middles are nearer than 1.2 thicknesses, or than three times `smooth_m`, are one.
-- Ridges within `wall_clear_m` of a wall are left out: `shear_zones.wall_zone_thickness_m` measures the zones along
+- Ridges within `wall_clear_m` of a wall are left out: `wall_zone_thickness_m` measures the zones along
   walls. Zones that reach this strip are prolonged straight on to the wall, so a bent zone's height there is off by
   about curvature * strip^2.
 - Zones shorter than four times `smooth_m`, shorter than thick, or weaker than 0.15 of the strongest are not seen.
@@ -23,6 +23,7 @@ Known limits:
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from taichi_silo.analysis.measure.raster import Raster, clean, point_spacing_m
 from taichi_silo.analysis.measure.ridges import crest, ridges
@@ -53,17 +54,17 @@ class Zones:
 
     count: int
     zones: tuple[Zone, ...]
-    branching_m: np.ndarray
-    wall_branching_m: np.ndarray
+    branching_m: NDArray
+    wall_branching_m: NDArray
     background: float
     spacing_m: float
 
 
 def shear_zones(
-    position,
-    shear_strain,
+    position: ArrayLike,
+    shear_strain: ArrayLike,
     width_m: float,
-    void_ratio_change=None,
+    void_ratio_change: ArrayLike | None = None,
     spacing_m: float | None = None,
     d50_m: float = np.nan,
     internal_length_m: float = np.nan,
@@ -139,8 +140,8 @@ def shear_zones(
     return Zones(lines.count, tuple(found), junctions, _on_walls(found, body), background, spacing)
 
 
-def _on_walls(zones, body):
-    """Places on the walls where two zones meet."""
+def _on_walls(zones: list[Zone], body: Body) -> NDArray:
+    """Places (k, 2) on the walls where two zones meet [m]."""
     found = []
     for place, heights in ((0.0, [z.wall_left_m for z in zones]), (body.width, [z.wall_right_m for z in zones])):
         heights = np.sort([height for height in heights if np.isfinite(height)])

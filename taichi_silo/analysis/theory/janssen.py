@@ -21,20 +21,21 @@ Source: H. A. Janssen (1895); the same formulas are in EN 1991-4, section 5.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 WALLS = {"plane": 2, "round": 1}  # that carry the weight named in N per m
 PERIMETER = {"plane": 2.0, "round": 4.0}  # width over A/U
 
 
-def _mean_decay(x):
+def _mean_decay(x: ArrayLike) -> NDArray:
     """Return (1 - exp(-x)) / x, which tends to 1 as x tends to 0."""
     x = np.asarray(x, dtype=float)
     safe = np.where(x == 0.0, 1.0, x)
     return np.where(x == 0.0, 1.0, -np.expm1(-safe) / safe)
 
 
-def _mean_growth(x):
+def _mean_growth(x: float) -> float:
     """Return (x - 1 + exp(-x)) / x^2, which tends to 1/2 as x tends to 0 (a series where digits cancel)."""
     if x < 1e-3:
         return 1 / 2 - x / 6 + x**2 / 24 - x**3 / 120
@@ -68,7 +69,7 @@ class Janssen:
     pressure_ratio: float
     section: str = "plane"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name in ("width_m", "height_m", "weight_density_N_per_m3", "pressure_ratio"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
@@ -88,16 +89,16 @@ class Janssen:
         resistance = PERIMETER[self.section] * self.pressure_ratio * self.wall_friction
         return self.width_m / resistance if resistance > 0.0 else float("inf")
 
-    def vertical_stress_Pa(self, depth_m):
+    def vertical_stress_Pa(self, depth_m: ArrayLike) -> NDArray:
         """Mean vertical stress sigma_v at a depth (number or array) below the free surface [Pa]."""
         depth = np.asarray(depth_m, dtype=float)
         return self.weight_density_N_per_m3 * depth * _mean_decay(depth / self.depth_scale_m)
 
-    def normal_stress_Pa(self, depth_m):
+    def normal_stress_Pa(self, depth_m: ArrayLike) -> NDArray:
         """Wall normal stress K sigma_v at a depth (number or array) [Pa]."""
         return self.pressure_ratio * self.vertical_stress_Pa(depth_m)
 
-    def shear_stress_Pa(self, depth_m):
+    def shear_stress_Pa(self, depth_m: ArrayLike) -> NDArray:
         """Wall shear stress mu K sigma_v at a depth (number or array) [Pa]."""
         return self.wall_friction * self.normal_stress_Pa(depth_m)
 

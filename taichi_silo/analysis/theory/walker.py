@@ -33,6 +33,7 @@ wedge disagrees with its own (6.28); here the last term is S.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 ORDER = {"plane": 1, "round": 2}  # S
 EMPIRICAL_B = 0.2
@@ -63,7 +64,7 @@ def discharge_factor(half_angle_deg: float, wall_friction: float, internal_frict
 
 
 @dataclass(frozen=True)
-class Hopper:
+class WalkerHopper:
     """Fill of a hopper below a transition with a given vertical stress.
 
     Parameters
@@ -101,22 +102,16 @@ class Hopper:
     internal_friction_angle_deg: float | None = None
     pressure_ratio: float | None = None
 
-    def __post_init__(self):
-        for name in ("width_m", "outlet_m", "weight_density_N_per_m3"):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise ValueError(f"{name} must be positive and finite, got {getattr(self, name)}")
-        if not self.outlet_m < self.width_m:
-            raise ValueError(f"outlet_m must be less than width_m = {self.width_m}, got {self.outlet_m}")
-        if not 0.0 < self.half_angle_deg < 90.0:
-            raise ValueError(f"half_angle_deg must be in (0, 90), got {self.half_angle_deg}")
-        if not 0.0 <= self.wall_friction_angle_deg < 90.0:
-            raise ValueError(f"wall_friction_angle_deg must be in [0, 90), got {self.wall_friction_angle_deg}")
-        if not 0.0 <= self.transition_stress_Pa < np.inf:
-            raise ValueError(f"transition_stress_Pa must be 0 or more, got {self.transition_stress_Pa}")
+    def __post_init__(self) -> None:
+        angle = "wall_friction_angle_deg"
+        below = {"outlet_m": self.width_m, "half_angle_deg": 90.0, angle: 90.0, "pressure_ratio": 1.0}
+        for name in ("width_m", "weight_density_N_per_m3", "transition_stress_Pa", *below):
+            value, high = getattr(self, name), below.get(name, np.inf)
+            may_be_0 = name in (angle, "transition_stress_Pa")
+            if value is not None and not (0.0 < value < high or (value == 0.0 and may_be_0)):
+                raise ValueError(f"{name} must be positive{' or 0' * may_be_0} and below {high:g}, got {value}")
         if self.section not in ORDER:
             raise ValueError(f"section must be one of {', '.join(ORDER)}, got {self.section!r}")
-        if self.pressure_ratio is not None and not 0.0 < self.pressure_ratio < 1.0:
-            raise ValueError(f"pressure_ratio must be in (0, 1), got {self.pressure_ratio}")
         if isinstance(self.state, str):
             if self.state not in ("filling", "discharge"):
                 raise ValueError(f"state must be filling, discharge or a number, got {self.state!r}")
@@ -166,7 +161,7 @@ class Hopper:
         """Height x of the outlet above the apex [m]."""
         return float(0.5 * self.outlet_m / np.tan(np.radians(self.half_angle_deg)))
 
-    def vertical_stress_Pa(self, height_m):
+    def vertical_stress_Pa(self, height_m: ArrayLike) -> NDArray:
         """Mean vertical stress sigma_v at a height (number or array) above the apex [Pa]."""
         x, top = np.asarray(height_m, dtype=float), self.transition_height_m
         slack = 1e-9 * top
@@ -181,11 +176,11 @@ class Hopper:
         own = -self.weight_density_N_per_m3 * x * np.log(y) * mean
         return own + self.transition_stress_Pa * y * np.exp(power)
 
-    def normal_stress_Pa(self, height_m):
+    def normal_stress_Pa(self, height_m: ArrayLike) -> NDArray:
         """Pressure p_n = F sigma_v normal to the inclined wall [Pa]."""
         return self.factor * self.vertical_stress_Pa(height_m)
 
-    def shear_stress_Pa(self, height_m):
+    def shear_stress_Pa(self, height_m: ArrayLike) -> NDArray:
         """Friction p_t = mu p_n along the inclined wall [Pa]."""
         return self.wall_friction * self.normal_stress_Pa(height_m)
 
@@ -194,7 +189,8 @@ class Hopper:
         """Peak F sigma_vt of the wall pressure at the transition, against K sigma_vt on the wall above [Pa]."""
         return self.factor * self.transition_stress_Pa
 
-    def _area_m2_per_m(self, height_m) -> float:
+    def _area_m2_per_m(self, height_m: float) -> float:
+        """Area of the section at a height, per metre as forces are."""
         whole = self.width_m if self.section == "plane" else 0.25 * self.width_m
         return whole * (height_m / self.transition_height_m) ** ORDER[self.section]
 

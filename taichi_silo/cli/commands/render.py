@@ -48,9 +48,9 @@ def command(
 
     taichi-silo render outputs/silo --field mean_stress --frame 10
     """
-    from taichi_silo.analysis.point_fields import field as known
     from taichi_silo.errors import MachineFailed
     from taichi_silo.runs.history import History
+    from taichi_silo.runs.point_fields import field as known
     from taichi_silo.show.film import renderer
     from taichi_silo.show.film.encoder import FilmError
     from taichi_silo.utils.bounded_reading import as_left

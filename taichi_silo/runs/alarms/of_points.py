@@ -3,10 +3,11 @@
 import numpy as np
 import shapely
 
-from taichi_silo.analysis.measure.certificate import SURFACE, inertial_number, unexplained_densification
 from taichi_silo.analysis.measure.deformation import Rings
 from taichi_silo.analysis.measure.matching import matched
+from taichi_silo.analysis.measure.wall_pressure import SURFACE
 from taichi_silo.runs.alarms.of_records import Check
+from taichi_silo.runs.certificate import inertial_number, unexplained_densification
 from taichi_silo.simulation.alarm import Alarm
 
 OUTSIDE = 0.5  # of a cell that the middle of a point may be beyond a wall

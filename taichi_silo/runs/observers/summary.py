@@ -9,24 +9,23 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from taichi_silo.analysis.measure.certificate import certificate
-from taichi_silo.analysis.measure.flow_findings import flow_findings
 from taichi_silo.analysis.measure.matching import matched
-from taichi_silo.analysis.measure.shear_zones import interior_zone_count, wall_zone_thickness_m
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, cell_mean
+from taichi_silo.analysis.measure.void_ratio_zones import interior_zone_count, wall_zone_thickness_m
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, cell_mean
 from taichi_silo.analysis.theory.janssen import pressure_ratio_from_normal_force
-from taichi_silo.analysis.theory.of_scene import janssen_of, theory_of
 from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
+from taichi_silo.runs.certificate import certificate
+from taichi_silo.runs.flow_findings import flow_findings
 from taichi_silo.runs.method_choices import parts
 from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.observers.forces import rows_of
 from taichi_silo.runs.observers.wall_profiles import WallProfiles
+from taichi_silo.runs.theories import janssen_of, theory_of
 from taichi_silo.utils import atomic_write
 
 RESIDUAL_SHARE = 0.05  # of the final displacement: the last part, whose mean is the residual state
 MEASURED = (0.9, 1.0)  # of the flow: between which its pattern is measured
 EARLY = 0.15  # of the sand: free outflow is measured until so much has left
-CORNER_M = 0.0125  # above the bottom: wall stresses there belong to the corner
 PROFILE_BAND = (0.2, 0.8)  # of the height: where the pressure ratio is measured, away from surface and corner
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from taichi_silo.analysis.measure.overpressure import CORNER_M, largest_overpressure
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, cell_mean
+from taichi_silo.analysis.measure.overpressure import largest_overpressure
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, cell_mean
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.runs.observers import Observer
 from taichi_silo.simulation.discretise import BOTTOM, LEFT, RIGHT

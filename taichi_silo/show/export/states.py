@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from taichi_silo.analysis.point_fields import FIELDS
 from taichi_silo.runs import snapshot
 from taichi_silo.runs.history import History
+from taichi_silo.runs.point_fields import FIELDS
 
 
 def states(history: History) -> Iterator[tuple[dict, np.ndarray, dict[str, np.ndarray]]]:

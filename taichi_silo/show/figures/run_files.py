@@ -9,10 +9,10 @@ import pandas as pd
 
 from taichi_silo.analysis.theory.eurocode import EurocodeSilo
 from taichi_silo.analysis.theory.janssen import Janssen
-from taichi_silo.analysis.theory.of_scene import eurocode_of
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.runs.snapshot import figured
+from taichi_silo.runs.theories import eurocode_of
 from taichi_silo.scene.scene import LOOSE_FROM
 from taichi_silo.scene.silo import Silo
 from taichi_silo.utils import bounded_reading, vtu

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from taichi_silo.analysis.point_fields import Field
 from taichi_silo.runs.history import History
+from taichi_silo.runs.point_fields import Field
 
 
 class Drawn(NamedTuple):

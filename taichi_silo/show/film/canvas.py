@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from PIL import Image, ImageDraw, ImageFont
 
-from taichi_silo.analysis.point_fields import Scale
+from taichi_silo.runs.point_fields import Scale
 from taichi_silo.show.film.colour_bar import draw_scale
 from taichi_silo.show.film.strokes import blend, stroke
 

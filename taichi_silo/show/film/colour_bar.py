@@ -5,7 +5,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
 
-from taichi_silo.analysis.point_fields import Scale
+from taichi_silo.runs.point_fields import Scale
 
 
 def draw_scale(axes, scale: Scale, look: dict, missing) -> None:

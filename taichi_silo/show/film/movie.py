@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from taichi_silo.analysis.point_fields import FIELDS
 from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.observers.forces import rows_of
+from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.show.film.encoder import FilmError, program
 from taichi_silo.show.film.film import Film
 from taichi_silo.show.film.scenery import course_of, picture

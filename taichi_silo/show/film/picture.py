@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from taichi_silo.analysis.point_fields import Scale
+from taichi_silo.runs.point_fields import Scale
 from taichi_silo.show.film.canvas import SIZE, Canvas, Course
 from taichi_silo.show.film.point_raster import SandRaster, levels
 

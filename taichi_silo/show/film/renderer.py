@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from taichi_silo.analysis.point_fields import field as field_of
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.runs.history import History
+from taichi_silo.runs.point_fields import field as field_of
 from taichi_silo.scene.scene import cores
 from taichi_silo.show.film.between import Between
 from taichi_silo.show.film.canvas import SIZE, Course

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-from taichi_silo.analysis.point_fields import FIELDS
 from taichi_silo.errors import BadInput
+from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.runs.run_folder import MADE
 from taichi_silo.show.figures.run_files import RunFiles
 from taichi_silo.show.gallery import stills

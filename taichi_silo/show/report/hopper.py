@@ -3,9 +3,9 @@
 import numpy as np
 
 from taichi_silo.analysis.measure.wall_pressure import cell_mean
-from taichi_silo.analysis.theory.of_scene import hopper_of, janssen_of
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.run_folder import MADE
+from taichi_silo.runs.theories import hopper_of, janssen_of
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.show.figures.run_files import RunFiles
 from taichi_silo.show.figures.wall_stress import HOPPER_CELL_M

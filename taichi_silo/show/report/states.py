@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from taichi_silo.analysis.measure.overpressure import CORNER_M
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, cell_mean
 from taichi_silo.show.figures.forces import force
 from taichi_silo.show.figures.run_files import GRAVITY, RunFiles
 from taichi_silo.show.figures.wall_stress import HOPPER_CELL_M

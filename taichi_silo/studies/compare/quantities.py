@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from taichi_silo.analysis.measure.overpressure import CORNER_M
-from taichi_silo.analysis.measure.wall_pressure import CELL_M
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M
 from taichi_silo.show.figures.run_files import RunFiles
 from taichi_silo.show.report.states import discharge_rate_kg_per_s_m, forces_of, largest_wall_stress, wall_profile
 

@@ -1,4 +1,4 @@
-"""What a run's flow was like, for its summary: pattern, residence times, shear zones inside."""
+"""What a run's flow was like, for its summary: flow pattern, residence times, shear zones inside."""
 
 import numpy as np
 
@@ -6,15 +6,21 @@ from taichi_silo.analysis.measure.flow_pattern import flow_pattern, mean_velocit
 from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.residence import residence
 from taichi_silo.analysis.measure.zones import shear_zones
+from taichi_silo.scene.scene import Scene
 
 FEWEST = 25  # points for any of these measures
 
 
-def flow_findings(filled: dict, before: dict, now: dict, scene) -> dict:
-    """Of the flow between two states (`Simulation.points` plus `displacement_m`, `time_s`, `sunk_m`, `left_m2`).
+def flow_findings(filled: dict, before: dict, now: dict, scene: Scene) -> dict:
+    """Measure the flow between two states.
 
-    `filled` is the state that the flow started from, `left_m2` the area that has left since, `sunk_m` how far the
-    bottom has sunk.
+    Parameters
+    ----------
+    filled : the state that the flow started from.
+    before, now : the two states: `Simulation.points` plus `displacement_m`, `time_s`, `sunk_m` (how far the bottom has
+        sunk) and `left_m2` (area of sand that has left since `filled`).
+    scene : of the run.
+
     """
     seconds = now["time_s"] - before["time_s"]
     if len(now["mass"]) < FEWEST or not seconds > 0.0:
@@ -50,7 +56,7 @@ def flow_findings(filled: dict, before: dict, now: dict, scene) -> dict:
     return found | {"zones_inside": zones_inside(filled, now, scene)}
 
 
-def zones_inside(filled: dict, now: dict, scene) -> dict:
+def zones_inside(filled: dict, now: dict, scene: Scene) -> dict:
     """Number, thickness, curvature, branching of the shear zones inside, from the strain's path since filling."""
     then = matched(filled, now)
     found = shear_zones(

@@ -5,24 +5,26 @@ import pandas as pd
 
 from taichi_silo.analysis.measure.deformation import Rings
 from taichi_silo.analysis.measure.matching import matched
+from taichi_silo.analysis.measure.wall_pressure import SURFACE
+from taichi_silo.scene.scene import Scene
+from taichi_silo.simulation.simulation import Simulation
 
-SURFACE = 0.9  # of the fill height; above, the mean stress is a few pascals and the law is not calibrated
 UNSHEARED = 0.005  # net shear strain up to which shear explains no densification
 MEAN_SPAN_PERIODS = (
-    3  # of the moving mean that noise is measured against; a whole number, or the column's mode stays in it
+    3  # of the moving mean that noise is measured against: whole periods of the column, or its mode stays
 )
 STEADY_AFTER_PERIODS = 7.5  # since the bottom began to move: its start, five periods, and the noise control's memory
 
 
-def certificate(records: pd.DataFrame, filled: dict | None, final: dict, simulation) -> dict:
-    """Measures of a run; those that it did not get far enough for are absent.
+def certificate(records: pd.DataFrame, filled: dict | None, final: dict, simulation: Simulation) -> dict:
+    """Measure how quasi-static a run was; what it did not get far enough for is absent.
 
     Parameters
     ----------
-    records : one row an interval (attributes of `simulation.Record`, less the profile).
+    records : one row an interval, the columns named as the attributes of `Record`.
     filled, final : states of the points after filling (None before) and at the end (`Simulation.points` plus
         `displacement_m` and `time_s`).
-    simulation : the simulation.
+    simulation : the run, at its end.
 
     """
     weight = simulation.scene.weight_N_per_m
@@ -48,8 +50,8 @@ def certificate(records: pd.DataFrame, filled: dict | None, final: dict, simulat
     return found | _state_measures(filled, final, simulation.scene) if len(final["mass"]) else found
 
 
-def _steady_measures(flow: pd.DataFrame, simulation) -> dict:
-    """Noise, once the start of the bottom has rung down."""
+def _steady_measures(flow: pd.DataFrame, simulation: Simulation) -> dict:
+    """Noise and kinetic energy, once the oscillation from the start of the bottom has decayed."""
     period, weight = simulation.period, simulation.scene.weight_N_per_m
     steady = flow[flow.time_s > simulation.flow_start + STEADY_AFTER_PERIODS * period]
     if len(steady) < 2 * MEAN_SPAN_PERIODS * period / flow.interval_s.median():
@@ -68,7 +70,8 @@ def _steady_measures(flow: pd.DataFrame, simulation) -> dict:
     }
 
 
-def _state_measures(filled: dict, final: dict, scene) -> dict:
+def _state_measures(filled: dict, final: dict, scene: Scene) -> dict:
+    """Change of void ratio, strain path and inertial number between two states of the same points."""
     width, height = scene.silo.width_m, scene.silo.height_m
     x, y = filled["position"].T
     below = y < SURFACE * height
@@ -93,10 +96,10 @@ def _state_measures(filled: dict, final: dict, scene) -> dict:
     return found
 
 
-def inertial_number(path: np.ndarray, seconds: float, stress: np.ndarray, scene) -> np.ndarray:
-    """Of points (n,): shear rate times grain size over the root of pressure over grain density.
+def inertial_number(path: np.ndarray, seconds: float, stress: np.ndarray, scene: Scene) -> np.ndarray:
+    """Inertial number (n,): shear rate times grain size over the root of pressure over grain density [-].
 
-    `path` is the length of the strain's path within so many seconds, `stress` (n, 4) the present one [Pa].
+    `path` is the path length of the strain within so many seconds (n,), `stress` the present one (n, 4) [Pa].
     """
     pressure = np.maximum(-stress[:, :3].sum(axis=1) / 3.0, 1.0)
     rate = np.sqrt(2.0) * path / seconds
@@ -104,15 +107,16 @@ def inertial_number(path: np.ndarray, seconds: float, stress: np.ndarray, scene)
 
 
 def _unsheared(filled: dict, now: dict, below: np.ndarray, rings: Rings | None = None) -> np.ndarray:
+    """Which of the points `below` the surface (n,) have a net shear strain under 0.005 since `filled`."""
     rings = rings or Rings(filled["position"])
     return below & (rings.net_shear(now["position"]) < UNSHEARED)
 
 
-def unexplained_densification(filled: dict, now: dict, scene, rings: Rings | None = None) -> tuple[float, int]:
+def unexplained_densification(filled: dict, now: dict, scene: Scene, rings: Rings | None = None) -> tuple[float, int]:
     """Mean loss of void ratio of the sand that has not been sheared since `filled`, and the point that lost most.
 
-    Both are states of the points (`Simulation.points`), `rings` those of the first, if they are there. Nothing is lost
-    where all sand has been sheared.
+    Both are states of the points (`Simulation.points`); `rings` those of the first, computed here if not given. 0 where
+    all sand has been sheared.
     """
     still = _unsheared(filled, now, filled["position"][:, 1] < SURFACE * scene.silo.height_m, rings)
     if not still.any():
@@ -122,11 +126,12 @@ def unexplained_densification(filled: dict, now: dict, scene, rings: Rings | Non
 
 
 def noise(force: pd.Series, interval_s: pd.Series, span_s: float) -> float:
-    """RMS of a force about its moving mean, over its mean."""
+    """RMS of a force about its moving mean over `span_s`, over its mean [-]."""
     smooth = _rolling(force, interval_s, span_s)
     return float(np.sqrt(((force - smooth) ** 2).mean()) / force.mean())
 
 
 def _rolling(values: pd.Series, interval_s: pd.Series, span_s: float) -> pd.Series:
+    """Centred moving mean over a time span."""
     rows = max(1, round(span_s / interval_s.median()))
     return values.rolling(rows, center=True, min_periods=rows).mean()

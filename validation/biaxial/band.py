@@ -10,30 +10,14 @@ standard error of the fit over independent stations.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+
+from taichi_silo.analysis.measure.raster import inverse_distance_mean, within
+from taichi_silo.analysis.measure.zone import Spread
 
 STATIONS = 41
 ENDS = 0.15  # share of the band's length that is left out at either face
 STRONGEST_FROM = 0.05  # greatest shear strain in excess of the surroundings, below which there is no band
 CONTRAST = 3.0  # of the strain in the band over that of the surroundings, below which there is none
-
-
-@dataclass(frozen=True)
-class Spread:
-    """Median and quartiles."""
-
-    median: float
-    lower: float
-    upper: float
-
-    @classmethod
-    def of(cls, values) -> "Spread":
-        """Of the finite values; nan if there is none."""
-        values = np.asarray(values, float)
-        values = values[np.isfinite(values)]
-        if not len(values):
-            return cls(np.nan, np.nan, np.nan)
-        return cls(*(float(v) for v in np.quantile(values, (0.5, 0.25, 0.75))))
 
 
 @dataclass(frozen=True)
@@ -92,9 +76,9 @@ def shear_band(position, shear_strain, void_ratio, spacing_m: float, loose_from:
     step = 0.1 * spacing_m
     offset = np.arange(-reach, reach + step, step)
     places = line[:, None, :] + offset[None, :, None] * across
-    inside = _inside(places, position, spacing_m)
-    profile = np.where(inside, _sample(position, excess, places), 0.0)
-    density = np.where(inside, _sample(position, void_ratio, places), 0.0)
+    inside = within(position, places, spacing_m)
+    profile = np.where(inside, inverse_distance_mean(position, excess, places, 6), 0.0)
+    density = np.where(inside, inverse_distance_mean(position, void_ratio, places, 6), 0.0)
     middles, width, loose, peak = [], [], [], []
     for k in range(STATIONS):
         top = int(np.argmax(profile[k]))
@@ -136,19 +120,6 @@ def _strongest_line(position, excess, spacing):
             offset = (k + bins.min()) * spacing
             best = (score[k], centre + offset * np.array([-along[1], along[0]]), along)
     return best[1], best[2]
-
-
-def _sample(points, value, places):
-    """Values (like places without its last axis): the six nearest points, weighted by 1 / distance^2."""
-    distance, neighbour = cKDTree(points).query(places, k=6)
-    weight = 1.0 / (distance**2 + 1e-6 * np.median(distance) ** 2)
-    return np.sum(weight * np.asarray(value, float)[neighbour], axis=-1) / np.sum(weight, axis=-1)
-
-
-def _inside(places, points, spacing):
-    """Whether a place is within the body: a point is near."""
-    distance, _ = cKDTree(points).query(places)
-    return distance < 1.5 * spacing
 
 
 def _part(mask, k: int) -> tuple[int, int]:

@@ -1,34 +1,38 @@
-"""The theories of a run's silo: Janssen, Walker, EN 1991-4 and Beverloo, with the scene's own numbers."""
+"""Janssen, Walker, EN 1991-4 and Beverloo for the silo of a scene, with its own numbers."""
 
 import math
 
 from taichi_silo.analysis.theory import beverloo
-from taichi_silo.analysis.theory.eurocode import SAND, EurocodeSilo
+from taichi_silo.analysis.theory.eurocode import EurocodeSilo
 from taichi_silo.analysis.theory.janssen import Janssen
-from taichi_silo.analysis.theory.walker import Hopper
+from taichi_silo.analysis.theory.walker import WalkerHopper
+from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.silo import Silo
 
 
-def janssen_of(scene, angle_deg: float, pressure_ratio: float) -> Janssen:
-    """Of the part with vertical walls."""
+def janssen_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> Janssen:
+    """Janssen's theory of the part with vertical walls."""
     silo = scene.silo
     density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
     height = silo.height_m - silo.transition_m
     return Janssen(silo.width_m, height, density, angle_deg, pressure_ratio, section=silo.section)
 
 
-def eurocode_of(silo, rough: bool, outlet_eccentricity_m: float = 0.0) -> EurocodeSilo:
-    """The code's silo of the same vertical walls with sand of table E.1, on a smooth (D2) or rough (D3) wall."""
+def eurocode_of(silo: Silo, rough: bool, outlet_eccentricity_m: float = 0.0) -> EurocodeSilo:
+    """The same vertical walls after EN 1991-4, with sand of table E.1 on a smooth (D2) or rough (D3) wall."""
     return EurocodeSilo(
-        silo.width_m, silo.height_m - silo.transition_m, SAND, wall="D3" if rough else "D2", section=silo.section,
+        silo.width_m, silo.height_m - silo.transition_m, wall="D3" if rough else "D2", section=silo.section,
         outlet_eccentricity_m=outlet_eccentricity_m,
     )  # fmt: skip
 
 
-def hopper_of(scene, angle_deg: float, pressure_ratio: float, transition_stress_Pa: float, state: str) -> Hopper:
-    """Walker's hopper below it, filled or in discharge."""
+def hopper_of(
+    scene: Scene, angle_deg: float, pressure_ratio: float, transition_stress_Pa: float, state: str
+) -> WalkerHopper:
+    """Walker's theory of the hopper below the vertical walls; `state` is "filling" or "discharge"."""
     silo = scene.silo
     own = silo.hopper.friction_angle_deg
-    return Hopper(
+    return WalkerHopper(
         silo.width_m, silo.hopper.outlet_width_m, silo.hopper.half_angle_deg,
         scene.density_kg_per_m3 * scene.method.gravity_m_per_s2, angle_deg if own is None else own,
         transition_stress_Pa, state=state, section=silo.section,
@@ -36,14 +40,14 @@ def hopper_of(scene, angle_deg: float, pressure_ratio: float, transition_stress_
     )  # fmt: skip
 
 
-def theory_of(scene, angle_deg: float, pressure_ratio: float) -> dict:
-    """What the theories say of a scene's silo, for its summary.
+def theory_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> dict:
+    """Pressures, forces and rates that the theories give for a scene's silo, for its summary.
 
     Parameters
     ----------
     scene : of the run.
-    angle_deg : of wall friction; of very rough walls the mobilised one.
-    pressure_ratio : K of the vertical walls.
+    angle_deg : of wall friction; the mobilised one where walls are very rough.
+    pressure_ratio : K between the vertical walls.
 
     """
     silo, g = scene.silo, scene.method.gravity_m_per_s2
