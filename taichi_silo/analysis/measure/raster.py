@@ -20,7 +20,7 @@ def clean(position: ArrayLike, *values: ArrayLike) -> tuple[NDArray, ...]:
     for value in values:
         if len(value) != len(position):
             raise ValueError(f"{len(position)} positions, but {len(value)} values")
-        finite &= np.isfinite(value.reshape(len(value), -1)).all(axis=1)
+        finite &= np.isfinite(value).all(axis=tuple(range(1, value.ndim)))
     return position[finite], *(value[finite] for value in values)
 
 
