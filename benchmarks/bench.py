@@ -44,7 +44,7 @@ def scene(points: int, points_per_cell: int, threads: int, arch: str = "cpu") ->
     cells = max(2, round((points / points_per_cell / 10.0) ** 0.5))  # in a tenth of the area
     return Scene(
         silo=Silo(width_m=0.2, height_m=0.5, half="no"),
-        walls=Walls(kind="smooth"),
+        walls=Walls(kind="smooth", friction_angle_deg=19.0),
         grid=Mesh(cell_size_m=0.1 / cells, points_per_cell=points_per_cell),
         averaging=Averaging(characteristic_length_m=0.0),  # its cost is a line of its own
         flow=Flow(speed_m_per_s=0.002, displacement_m=0.02),

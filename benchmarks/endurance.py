@@ -113,7 +113,7 @@ def slow(folder: Path, minutes: float) -> dict:
 def million(folder: Path, steps: int = STEPS) -> dict:
     """Growth of memory in a run of a small silo."""
     scene = Scene(
-        silo=Silo(height_m=0.4), grid=Mesh(cell_size_m=0.05), walls=Walls(kind="smooth"),
+        silo=Silo(height_m=0.4), grid=Mesh(cell_size_m=0.05), walls=Walls(kind="smooth", friction_angle_deg=19.0),
         flow=Flow(speed_m_per_s=1e-5, displacement_m=0.1), machine=Machine(threads=1, lanes=False),
         method=Method(filling_time_s=0.1, longest_settling_s=0.1),
     )  # fmt: skip
@@ -128,7 +128,8 @@ def million(folder: Path, steps: int = STEPS) -> dict:
 def refill(cell_size_m: float = 0.01, cycles: int = CYCLES) -> dict:
     """Fill, empty by gravity, and fill again: what is left, what the books say, and whether the fills are the same."""
     scene = Scene(
-        silo=Silo(width_m=0.2, height_m=0.2, outlet=Outlet(width_m=0.18)), walls=Walls(kind="smooth"),
+        silo=Silo(width_m=0.2, height_m=0.2, outlet=Outlet(width_m=0.18)),
+        walls=Walls(kind="smooth", friction_angle_deg=19.0),
         grid=Mesh(cell_size_m=cell_size_m), flow=Flow(outflow="gravity", displacement_m=10.0, longest_s=4.0),
         machine=Machine(threads=1),
     )  # fmt: skip

@@ -18,7 +18,7 @@ from unittest.mock import patch
 
 from typer import Option
 
-from taichi_silo.cli import command_line
+from taichi_silo.cli import command_line, model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import integrate
 from taichi_silo.scene import scene
@@ -76,7 +76,7 @@ def trials(cell_m: float) -> list[Trial]:
 def standard(walls: str, cell_m: float, displacement_m: float) -> Scene:
     """The silo without any part that it can do without."""
     return Scene(
-        silo=Silo(half="no"), walls=Walls(kind=walls), grid=Mesh(cell_size_m=cell_m),
+        silo=Silo(half="no"), walls=model_silo.walls(walls, 0.60), grid=Mesh(cell_size_m=cell_m),
         averaging=Averaging(characteristic_length_m=0.0), method=Method(noise_control="column"),
         flow=Flow(speed_m_per_s=0.005, displacement_m=displacement_m), machine=Machine(threads=1),
     )  # fmt: skip

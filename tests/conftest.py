@@ -104,12 +104,13 @@ def site(tmp_path_factory):
 @pytest.fixture(scope="session")
 def small_run():
     """A function that leaves the folder of a real run of seconds: 40 points, a film of two seconds if it is wanted."""
-    from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, Walls, run
+    from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, run
+    from taichi_silo.cli import model_silo
     from taichi_silo.show.film import movie
 
     def leave(folder, film=False, walls="smooth", silo=None, **parts):
         scene = {
-            "silo": silo or Silo(), "walls": Walls(kind=walls), "grid": Mesh(cell_size_m=0.05),
+            "silo": silo or Silo(), "walls": model_silo.walls(walls, 0.60), "grid": Mesh(cell_size_m=0.05),
             "flow": Flow(speed_m_per_s=0.02, displacement_m=0.01), "method": Method(filling_time_s=0.2),
             "machine": Machine(threads=1, lanes=False),
         }  # fmt: skip

@@ -13,10 +13,10 @@ from typing import Annotated, get_args
 import pandas as pd
 from typer import Option
 
-from taichi_silo.cli import command_line
+from taichi_silo.cli import command_line, model_silo
 from taichi_silo.errors import RunFailed
 from taichi_silo.runs.run_folder import writable
-from taichi_silo.scene.scene import Filling, Flow, Machine, Mesh, Sand, Scene, Silo, Walls, cores
+from taichi_silo.scene.scene import Filling, Flow, Machine, Mesh, Sand, Scene, Silo, cores
 from taichi_silo.show.figures import plot_cases
 from taichi_silo.studies.sweep.runs import Run, simulate
 
@@ -39,7 +39,7 @@ def fillings(
     for walls in ("smooth", "very-rough"):
         for way in WAYS:
             scene = Scene(
-                silo=Silo(half="no"), sand=Sand(void_ratio=void_ratio), walls=Walls(kind=walls),
+                silo=Silo(half="no"), sand=Sand(void_ratio=void_ratio), walls=model_silo.walls(walls, void_ratio),
                 grid=Mesh(cell_size_m=cell_size), filling=Filling(kind=way, layers=layers, drop_m=drop),
                 flow=Flow(speed_m_per_s=speed, displacement_m=displacement), machine=Machine(threads=1),
             )  # fmt: skip

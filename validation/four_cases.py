@@ -11,8 +11,8 @@ from typing import Annotated
 
 from typer import Option
 
-from taichi_silo import Flow, Machine, Mesh, Method, Scene, Walls
-from taichi_silo.cli import command_line, flags
+from taichi_silo import Flow, Machine, Mesh, Method, Scene
+from taichi_silo.cli import command_line, flags, model_silo
 from taichi_silo.errors import RunFailed
 from taichi_silo.runs.run_folder import writable
 from taichi_silo.scene import sands
@@ -46,7 +46,7 @@ def four_cases(
     for name, (packing, walls) in CASES.items():
         scene = Scene(
             sand=sands.sand(sand, {"dense": dense, "loose": loose}[packing], law=LAW),
-            walls=Walls(kind=walls),
+            walls=model_silo.walls(walls, {"dense": dense, "loose": loose}[packing]),
             grid=Mesh(cell_size_m=cell_size, shape=shape),
             flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
             method=Method(**method),

@@ -45,7 +45,7 @@ def noise_control(
         name: Run(
             Scene(
                 sand=sands.sand(sand, void_ratio),
-                walls=Walls(kind="smooth"),
+                walls=Walls(kind="smooth", friction_angle_deg=19.0),
                 grid=Mesh(cell_size_m=cell_size, shape=shape),
                 flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
                 method=Method(noise_control=name, **method),
@@ -68,7 +68,7 @@ def draw(histories: dict[str, pd.DataFrame], scene: Scene) -> Figure:
     """N against time, filling and flow, with Janssen's value."""
     ratio = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio)
     density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
-    theory = Janssen(scene.silo.width_m, scene.silo.height_m, density, scene.wall_friction_angle_deg, ratio)
+    theory = Janssen(scene.silo.width_m, scene.silo.height_m, density, scene.walls.friction_angle_deg, ratio)
     figure = new_figure(9.0, 4.6)
     axes = figure.subplots()
     for name, rows in histories.items():

@@ -15,10 +15,10 @@ from typing import Annotated
 import pandas as pd
 from typer import Option
 
-from taichi_silo.cli import command_line
+from taichi_silo.cli import command_line, model_silo
 from taichi_silo.errors import RunFailed
 from taichi_silo.runs.run_folder import writable
-from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Sand, Scene, Silo, Walls, cores
+from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Sand, Scene, Silo, cores
 from taichi_silo.studies.sweep.runs import Run, simulate
 
 MODEL_M, CELLS = 0.2, 40
@@ -41,7 +41,7 @@ def size_effect(
         scene = Scene(
             silo=Silo(width_m=width, height_m=2.5 * width, half="no"),
             sand=Sand(void_ratio=void_ratio),
-            walls=Walls(kind=walls),
+            walls=model_silo.walls(walls, void_ratio),
             grid=Mesh(cell_size_m=width / CELLS),
             averaging=Averaging(characteristic_length_m=0.0),
             flow=Flow(speed_m_per_s=speed * scale**WAVES, displacement_m=share * width),

@@ -112,7 +112,8 @@ def _small_run() -> Finding:
     try:
         runtime.init("cpu", 1)
         scene = Scene(
-            silo=Silo(width_m=0.1, height_m=0.2), walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.02),
+            silo=Silo(width_m=0.1, height_m=0.2),
+            walls=Walls(kind="smooth", friction_angle_deg=19.0), grid=Mesh(cell_size_m=0.02),
             flow=Flow(speed_m_per_s=0.02, displacement_m=0.001),
             method=Method(filling_time_s=0.1, longest_settling_s=0.1),
             machine=Machine(threads=1, lanes=False),

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from taichi_silo.cli import flags
+from taichi_silo.cli import flags, model_silo
 from taichi_silo.cli.command_line import explain, tell
 from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
 from taichi_silo.runs.observers.progress import ProgressLine
@@ -82,13 +82,15 @@ class Common:
         """The scene of a silo; `flow` stands for the flags of controlled flow."""
         machine = {"arch": self.arch} | ({} if self.threads is None else {"threads": self.threads})
         chosen = fidelities.fidelity(self.fidelity)
-        speed = self.values.get("speed")
+        speed, angle = self.values.get("speed"), self.wall_friction_angle
+        if self.walls == "smooth" and angle is None:
+            angle = model_silo.smooth_angle_deg(self.void_ratio)
         return Scene(
             silo=silo,
             sand=sands.sand(self.sand, self.void_ratio, law=self.law),
             walls=Walls(
                 kind=self.walls,
-                friction_angle_deg=self.wall_friction_angle,
+                friction_angle_deg=angle,
                 bottom_friction_angle_deg=self.bottom_friction_angle,
             ),
             grid=Mesh(

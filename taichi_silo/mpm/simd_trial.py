@@ -18,7 +18,8 @@ def compare() -> str:
     for lanes in (False, True):
         runtime.init()
         scene = Scene(
-            silo=Silo(width_m=0.1, height_m=0.2), walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.02),
+            silo=Silo(width_m=0.1, height_m=0.2),
+            walls=Walls(kind="smooth", friction_angle_deg=19.0), grid=Mesh(cell_size_m=0.02),
             machine=Machine(threads=1),
         )  # fmt: skip
         simulation = Simulation(scene, lanes=lanes)

@@ -123,7 +123,7 @@ def wall_friction(scene: Scene) -> Part:
     silo = scene.silo
     angles = {"bottom": scene.walls.bottom_friction_angle_deg}
     if scene.walls.kind == "smooth":
-        angles = {"side": scene.wall_friction_angle_deg} | angles
+        angles = {"side": scene.walls.friction_angle_deg} | angles
     own = [("hopper", silo.hopper)] if silo.hopper else []
     own += [(insert.kind, insert) for insert in silo.inserts]
     angles |= {name: body.friction_angle_deg for name, body in own if body.friction_angle_deg is not None}

@@ -189,8 +189,6 @@ def _revision() -> str:
 def parameters(scene: Scene) -> dict:
     """Every parameter of a silo as used, in the tables of run.toml."""
     tables = scene.model_dump(exclude_none=True)
-    if scene.walls.kind == "smooth":
-        tables["walls"]["friction_angle_deg"] = scene.wall_friction_angle_deg
     tables["sand"]["law"] = scene.sand.law_for(scene.flow.turns_back)
     tables["silo"]["half"] = "yes" if half_model(scene)[0] else "no"
     tables["averaging"]["characteristic_length_m"] = scene.averaging.length_m(scene.sand)

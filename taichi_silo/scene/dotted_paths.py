@@ -70,6 +70,8 @@ def changed(scene: Scene, settings: dict) -> Scene:
             table = _inside(table, name, path, make=value is not None)
         if table is not None:
             table[last] = value
+    if settings.get("walls.kind") == "very-rough":  # has no friction angle: one that is there is for smooth walls
+        tables["walls"]["friction_angle_deg"] = None
     return Scene.model_validate(tables)
 
 

@@ -21,7 +21,6 @@ from taichi_silo.scene.symmetry import half_model
 from taichi_silo.utils.messages import shown
 from taichi_silo.utils.schema import Options
 
-LOOSE_FROM = 0.75  # void ratio from which the paper's measured wall friction of loose sand applies
 MOST_POINTS = 20_000_000
 MOST_PER_CELL = 10_000
 MOST_CELLS = 20_000  # across or along a silo
@@ -41,7 +40,7 @@ class Walls(Options):
         "very-rough", description="with Coulomb friction, or so rough that sand does not slip on them"
     )
     friction_angle_deg: float | None = Field(
-        None, ge=0, lt=90, description="of smooth walls; 19, or for sand looser than e = 0.75 12.3, if absent"
+        None, ge=0, lt=90, description="between sand and smooth walls, which need it; very rough walls have none"
     )
     bottom_friction_angle_deg: float = Field(0.0, ge=0, lt=90, description="of the bottom plate or floor")
 
@@ -51,6 +50,11 @@ class Walls(Options):
             raise ValueError(
                 f"wall friction angle is {self.friction_angle_deg}; very rough walls have none (no slip there), "
                 "only smooth walls take one"
+            )
+        if self.kind == "smooth" and self.friction_angle_deg is None:
+            raise ValueError(
+                "walls.friction_angle_deg is not given; smooth walls need the friction angle between sand and wall "
+                "[deg]; the paper's model silo has 19 for dense and 12.3 for loose sand"
             )
         return self
 
@@ -304,13 +308,6 @@ class Scene(Options):
         if self.output.snapshots is not None:
             return self.output.snapshots
         return max(FEWEST_SNAPSHOTS, min(SNAPSHOTS, MOST_STATES // self.points))
-
-    @property
-    def wall_friction_angle_deg(self) -> float:
-        """Of smooth walls: as given, or as measured in the model silo (19 deg dense, 12.3 deg loose)."""
-        if self.walls.friction_angle_deg is not None:
-            return self.walls.friction_angle_deg
-        return 12.3 if self.sand.void_ratio >= LOOSE_FROM else 19.0
 
     @property
     def density_kg_per_m3(self) -> float:

@@ -145,7 +145,7 @@ def side_contact(scene, friction_angle_deg: float | None = None):
     """Contact of the side walls, or of another wall with an angle of its own."""
     if friction_angle_deg is not None:
         return Coulomb(friction_angle_deg)
-    return NoSlip() if scene.walls.kind == "very-rough" else Coulomb(scene.wall_friction_angle_deg)
+    return NoSlip() if scene.walls.kind == "very-rough" else Coulomb(scene.walls.friction_angle_deg)
 
 
 def walls_of(scene, section: Section, grid: Grid) -> tuple:

@@ -19,12 +19,14 @@ PAGES = sorted({block.page for block in blocks("python")})
 RESULTS = re.compile(r'Result\("([^"]+)"\)')
 PATHS = re.compile(r"`((?:\w+/)*\w+\.py)`((?:,? `\w+`)*)")
 SMALL = Scene(
-    silo=Silo(width_m=0.2, height_m=0.2), walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.05),
+    silo=Silo(width_m=0.2, height_m=0.2),
+    walls=Walls(kind="smooth", friction_angle_deg=19.0), grid=Mesh(cell_size_m=0.05),
     flow=Flow(speed_m_per_s=0.02, displacement_m=0.001), method=Method(filling_time_s=0.05, longest_settling_s=0.02),
     machine=Machine(threads=1, lanes=False),
 )  # fmt: skip
 TOML = (
-    "[silo]\nwidth_m = 0.2\nheight_m = 0.2\n[walls]\nkind = 'smooth'\n[grid]\ncell_size_m = 0.05\n"
+    "[silo]\nwidth_m = 0.2\nheight_m = 0.2\n[walls]\nkind = 'smooth'\nfriction_angle_deg = 19\n"
+    "[grid]\ncell_size_m = 0.05\n"
     "[flow]\nspeed_m_per_s = 0.02\ndisplacement_m = 0.001\n[method]\nfilling_time_s = 0.05\nlongest_settling_s = 0.02\n"
     "[machine]\nthreads = 1\nlanes = false\n"
 )

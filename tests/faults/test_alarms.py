@@ -22,7 +22,7 @@ from taichi_silo.simulation.alarm import Alarm, Alarms
 from taichi_silo.simulation.simulation import Simulation
 
 SCENE = Scene(
-    silo=Silo(height_m=0.4), grid=Mesh(cell_size_m=0.05), walls=Walls(kind="smooth"),
+    silo=Silo(height_m=0.4), grid=Mesh(cell_size_m=0.05), walls=Walls(kind="smooth", friction_angle_deg=19.0),
     flow=Flow(speed_m_per_s=0.01, displacement_m=0.004),
     method=Method(filling_time_s=0.1, longest_settling_s=0.1), machine=Machine(threads=1, lanes=False),
 )  # fmt: skip

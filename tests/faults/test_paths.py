@@ -147,7 +147,7 @@ def test_a_report_into_the_folder_of_a_run_draws_through_no_link(left, outside, 
 
 
 def test_a_sweep_writes_through_no_link(tmp_path, outside, tried):
-    before, plan = contents(outside), Sweep(grid={"walls.kind": ("smooth",)})
+    before, plan = contents(outside), Sweep(grid={"walls.kind": ("very-rough",)})
     (name,) = plan.scenes()
     for link in ("sweep.csv", "sweep.csv.part", ".sweep", "figures", "figures/forces.png", f"{name}/forces.csv"):
         place = tmp_path / "sweep"

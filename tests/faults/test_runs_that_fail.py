@@ -97,7 +97,8 @@ def test_a_failure_at_the_very_start_of_the_flow_keeps_the_filling(tmp_path):
 
 def smooth_silo(stress_filter):
     return Scene(
-        walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.05), flow=Flow(speed_m_per_s=0.02, displacement_m=0.002),
+        walls=Walls(kind="smooth", friction_angle_deg=19.0),
+        grid=Mesh(cell_size_m=0.05), flow=Flow(speed_m_per_s=0.02, displacement_m=0.002),
         method=Method(filling_time_s=0.2, stress_filter=stress_filter),
     )  # fmt: skip
 
@@ -120,7 +121,8 @@ def test_the_null_space_filter_does_not(tmp_path):
 def test_a_slender_silo_whose_sand_ratchets_is_noticed_while_it_runs(tmp_path):
     """Its forces look fine; void ratio without shear tells."""
     scene = Scene(
-        silo=Silo(width_m=0.02, height_m=0.5), walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.005),
+        silo=Silo(width_m=0.02, height_m=0.5),
+        walls=Walls(kind="smooth", friction_angle_deg=19.0), grid=Mesh(cell_size_m=0.005),
         flow=Flow(speed_m_per_s=0.005, displacement_m=0.002), machine=Machine(threads=1),
     )  # fmt: skip
     run(scene, tmp_path / "run", film=False)

@@ -31,7 +31,7 @@ from taichi_silo.studies.sweep.dask_runner import Crew  # noqa: E402 - it needs 
 
 COARSE = {
     "grid": {"cell_size_m": 0.05}, "flow": {"displacement_m": 0.01, "speed_m_per_s": 0.02},
-    "walls": {"kind": "smooth"}, "machine": {"lanes": False},
+    "walls": {"kind": "smooth", "friction_angle_deg": 19.0}, "machine": {"lanes": False},
 }  # fmt: skip
 # a run for those who look at the workers only: its name says what it does
 PROGRAM = """

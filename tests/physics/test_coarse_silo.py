@@ -8,6 +8,7 @@ import pytest
 import taichi as ti
 
 from taichi_silo.analysis.theory.janssen import Janssen
+from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.g2p import scatter
 from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
@@ -44,7 +45,7 @@ class History:
         self.scene = Scene(
             silo=Silo(half="no"),  # left and right are to be compared
             sand=Sand(void_ratio=void_ratio),
-            walls=Walls(kind=walls),
+            walls=model_silo.walls(walls, void_ratio),
             grid=Mesh(cell_size_m=cell_size),
             flow=Flow(speed_m_per_s=0.02, displacement_m=displacement),
             method=Method(noise_control=noise_control, filling_time_s=0.3, longest_settling_s=0.3),
@@ -216,7 +217,8 @@ def test_sand_with_memory_fills_and_flows_between_smooth_walls_as_janssen_says()
     """Its memory starts along the filling strain, so that it neither hangs nor overshoots."""
     runtime.init()
     scene = Scene(
-        sand=Sand(law="intergranular"), walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.025),
+        sand=Sand(law="intergranular"),
+        walls=Walls(kind="smooth", friction_angle_deg=19.0), grid=Mesh(cell_size_m=0.025),
         flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), method=Method(filling_time_s=0.3, longest_settling_s=0.3),
     )  # fmt: skip
     simulation = Simulation(scene)

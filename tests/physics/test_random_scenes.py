@@ -32,7 +32,7 @@ def scenes(draw):
     transfer = draw(st.sampled_from(sorted(TRANSFERS)))
     update = "last" if TRANSFERS[transfer].SECOND_TRANSFER else draw(st.sampled_from(STRESS_UPDATES))
     kind = draw(st.sampled_from(["smooth", "very-rough"]))
-    friction = draw(st.none() | st.floats(0.0, 60.0)) if kind == "smooth" else None
+    friction = draw(st.floats(0.0, 60.0)) if kind == "smooth" else None
     height = cell * draw(st.integers(2, 12))
     return Scene(
         silo=Silo(width_m=cell * draw(st.integers(2, 8)), height_m=height),
@@ -95,7 +95,7 @@ def holds(scene):
 JUST_TOUCHED = Scene(
     silo=Silo(width_m=0.1, height_m=0.1),
     sand=sands.sand("hamburg", 0.5225),
-    walls=Walls(kind="smooth"),
+    walls=Walls(kind="smooth", friction_angle_deg=19.0),
     grid=Mesh(cell_size_m=0.05, shape="bspline"),
     averaging=Averaging(characteristic_length_m=0.0),
     flow=Flow(speed_m_per_s=1e-5, displacement_m=0.05),

@@ -38,7 +38,7 @@ def bare():
 def scene(lanes: bool, threads: int = 1) -> Scene:
     """With lanes, which is how runs go if they can, or with the plain loop."""
     return Scene(
-        silo=Silo(height_m=0.4), walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.05),
+        silo=Silo(height_m=0.4), walls=Walls(kind="smooth", friction_angle_deg=19.0), grid=Mesh(cell_size_m=0.05),
         flow=Flow(speed_m_per_s=0.05, displacement_m=0.003), method=Method(filling_time_s=0.1, longest_settling_s=0.0),
         machine=Machine(threads=threads, lanes=lanes),
     )  # fmt: skip

@@ -12,7 +12,8 @@ LOW = 1e-9
 def result(tmp_path_factory):
     scene = ts.Scene(
         silo=ts.Silo.polygon([(0.05, 0), (0.15, 0), (0.2, 0.1), (0.2, 0.3), (0, 0.3), (0, 0.1)]),
-        sand=ts.named_sand("hostun", 0.7), walls=ts.Walls(kind="smooth"), grid=ts.Mesh(cell_size_m=0.05),
+        sand=ts.named_sand("hostun", 0.7),
+        walls=ts.Walls(kind="smooth", friction_angle_deg=19.0), grid=ts.Mesh(cell_size_m=0.05),
         flow=ts.Flow(speed_m_per_s=0.02, displacement_m=0.002), machine=ts.Machine(threads=1, lanes=False),
         method=ts.Method(filling_time_s=0.1, longest_settling_s=0.1),
     )  # fmt: skip

@@ -70,7 +70,7 @@ def test_parameters_run_again(folder):
     scene = read_scene(folder / "run.toml")
     assert scene.grid.cell_size_m == 0.05
     assert scene.walls.kind == "smooth"
-    assert scene.wall_friction_angle_deg == 19.0
+    assert scene.walls.friction_angle_deg == 19.0
     place = folder.parent / "again"
     words = ["run", str(folder / "run.toml"), "--output", str(place), "--no-film"]
     command = [sys.executable, "-m", "taichi_silo.cli.app", *words]

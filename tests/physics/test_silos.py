@@ -14,7 +14,7 @@ from taichi_silo.scene.scene import Filling, Flow, Mesh, Method, Sand, Scene, Wa
 from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
 from taichi_silo.simulation.simulation import Simulation
 
-SMOOTH, ROUGH = Walls(kind="smooth"), Walls(kind="very-rough")
+SMOOTH, ROUGH = Walls(kind="smooth", friction_angle_deg=19.0), Walls(kind="very-rough")
 SLOW = Flow(speed_m_per_s=0.02, displacement_m=0.006)
 FALL = Flow(outflow="gravity", displacement_m=2.0, longest_s=0.4)
 WIDE = Outlet(width_m=0.12)

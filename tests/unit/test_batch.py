@@ -27,13 +27,13 @@ def made(*texts: str, files: tuple = ()) -> dict[str, Scene]:
 
 
 def test_variations_make_every_combination_under_a_readable_name():
-    found = made("flow.speed_m_per_s=0.002,0.005", "walls.kind=smooth,very-rough")
+    found = made("flow.speed_m_per_s=0.002,0.005", "filling.kind=rain,layers")
     assert list(found) == [
-        "speed-0.002_walls-smooth", "speed-0.002_walls-very-rough",
-        "speed-0.005_walls-smooth", "speed-0.005_walls-very-rough",
+        "speed-0.002_filling-rain", "speed-0.002_filling-layers",
+        "speed-0.005_filling-rain", "speed-0.005_filling-layers",
     ]  # fmt: skip
-    assert [(scene.flow.speed_m_per_s, scene.walls.kind) for scene in found.values()] == [
-        (0.002, "smooth"), (0.002, "very-rough"), (0.005, "smooth"), (0.005, "very-rough"),
+    assert [(scene.flow.speed_m_per_s, scene.filling.kind) for scene in found.values()] == [
+        (0.002, "rain"), (0.002, "layers"), (0.005, "rain"), (0.005, "layers"),
     ]  # fmt: skip
     assert {scene.machine.threads for scene in found.values()} == {1}
 
@@ -43,8 +43,8 @@ def test_names_are_unique_where_paths_end_alike_and_where_files_are_called_alike
     for place in ("a", "b"):
         (tmp_path / place).mkdir()
         (tmp_path / place / "dense.toml").write_text("[sand]\nvoid_ratio = 0.6\n")
-    found = made("walls.kind=smooth", files=(tmp_path / "a" / "dense.toml", tmp_path / "b" / "dense.toml"))
-    assert list(found) == ["dense_walls-smooth", "dense-2_walls-smooth"]
+    found = made("filling.kind=rain", files=(tmp_path / "a" / "dense.toml", tmp_path / "b" / "dense.toml"))
+    assert list(found) == ["dense_filling-rain", "dense-2_filling-rain"]
 
 
 def test_a_file_takes_defaults_for_what_it_leaves_out_and_a_run_has_the_name_of_its_folder(tmp_path):
@@ -58,12 +58,19 @@ def test_a_sand_by_name_brings_its_constants_and_default_is_what_is_not_given():
     found = made("sand=karlsruhe,hostun", "sand.void_ratio=0.7")
     assert [scene.sand.granular_hardness_Pa for scene in found.values()] == [190e6, 1000e6]
     assert {scene.sand.void_ratio for scene in found.values()} == {0.7}
-    found = made("walls.kind=smooth", "walls.friction_angle_deg=default,15")
-    assert [scene.wall_friction_angle_deg for scene in found.values()] == [19.0, 15.0]
+    found = made("walls.kind=smooth", "walls.friction_angle_deg=19,15")
+    assert [scene.walls.friction_angle_deg for scene in found.values()] == [19.0, 15.0]
+
+
+def test_the_friction_angle_of_smooth_walls_is_left_out_where_walls_are_very_rough():
+    found = made("walls.kind=smooth,very-rough", "walls.friction_angle_deg=19")
+    assert [scene.walls.friction_angle_deg for scene in found.values()] == [19.0, None]
 
 
 def test_columns_are_what_was_asked_for_and_what_differs(tmp_path):
-    (tmp_path / "loose.toml").write_text("[sand]\nvoid_ratio = 0.9\n[walls]\nkind = 'smooth'\n")
+    (tmp_path / "loose.toml").write_text(
+        "[sand]\nvoid_ratio = 0.9\n[walls]\nkind = 'smooth'\nfriction_angle_deg = 12.3\n"
+    )
     (tmp_path / "dense.toml").write_text("")
     found = made("method.cfl=0.2", files=(tmp_path / "loose.toml", tmp_path / "dense.toml"))
     # dense sand is between very rough walls here, of which no half is computed
@@ -76,12 +83,13 @@ def test_columns_are_what_was_asked_for_and_what_differs(tmp_path):
     [
         (["flow.speed=1"], "flow.speed varies; a scene has no such value; did you mean flow.speed_m_per_s"),
         (["flow"], "vary is flow; it must be PATH=V1,V2"),
-        (["walls.kind=smooth,,"], "it must be PATH=V1,V2"),
+        (["filling.kind=rain,,"], "it must be PATH=V1,V2"),
         (["precision=f32"], "precision varies; a scene has no such value"),
         (["machine.threads=2"], "each run of a batch has one thread"),
         (["sand.name=hostun"], "it is only a label"),
         (["flow.speed_m_per_s=0.01,-1"], "flow.speed_m_per_s=-1: speed_m_per_s is -1; it must be at least 1e-09"),
         (["walls.kind=smooth,smooth"], "the value smooth is there twice"),
+        (["walls.kind=smooth"], "friction_angle_deg is not given; smooth walls need"),
         (["sand=sahara"], "sand=sahara: sand is sahara; it must be"),
         (["sand=hostun", "sand.void_ratio=dense"], "void ratio is dense; it must be a number"),
         (["silo.width_m=0.2,0.333"], "silo.width_m=0.333: cell size is 0.005 m; it must divide the width of 0.333 m"),
@@ -126,7 +134,7 @@ def left(folder: Path, scene: Scene, factor: float = 1.0, **summary) -> Run:
 
 
 def test_a_run_is_there_if_its_scene_is_the_wanted_one_on_any_machine_and_it_finished(tmp_path):
-    scene = Scene(walls={"kind": "smooth"}, machine={"threads": 1})
+    scene = Scene(walls={"kind": "smooth", "friction_angle_deg": 19.0}, machine={"threads": 1})
     run = left(tmp_path / "run", scene)
     assert run.finished
     assert Run(changed(scene, {"machine.lanes": False}), run.folder).finished

@@ -3,16 +3,17 @@
 import numpy as np
 import pytest
 
+from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.runs import cost_estimate
-from taichi_silo.scene.scene import Flow, Mesh, Method, Scene, Walls
+from taichi_silo.scene.scene import Flow, Mesh, Method, Scene
 from taichi_silo.scene.silo import Hopper, Silo
 from taichi_silo.simulation.simulation import Simulation
 
 
 def coarse(walls="very-rough", speed=0.04, displacement=0.004, cell=0.05, **method) -> Scene:
     return Scene(
-        walls=Walls(kind=walls),
+        walls=model_silo.walls(walls, 0.60),
         grid=Mesh(cell_size_m=cell),
         flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
         method=Method(**method),

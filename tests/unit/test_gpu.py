@@ -22,7 +22,11 @@ def after(arch, steps=200, **scene):
 
 @pytest.mark.parametrize(
     "scene",
-    [{}, {"walls": Walls(kind="smooth")}, {"averaging": Averaging(characteristic_length_m=0.01)}],
+    [
+        {},
+        {"walls": Walls(kind="smooth", friction_angle_deg=19.0)},
+        {"averaging": Averaging(characteristic_length_m=0.01)},
+    ],
     ids=["very rough", "smooth", "non-local"],
 )
 def test_both_do_the_same_step_to_round_off(scene):

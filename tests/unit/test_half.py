@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.solver import Solver
@@ -25,7 +26,7 @@ VARIANTS = [
 def scene(half, walls="smooth", shape="ugimp", per_cell=1, law="auto", threads=1, averaging=0.0, **method):
     return Scene(
         silo=Silo(width_m=ACROSS * CELL, height_m=HIGH * CELL, half=half),
-        sand=Sand(law=law), walls=Walls(kind=walls, friction_angle_deg=None),
+        sand=Sand(law=law), walls=model_silo.walls(walls, 0.60),
         grid=Mesh(cell_size_m=CELL, shape=shape, points_per_cell=per_cell),
         averaging=Averaging(characteristic_length_m=averaging),
         flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), machine=Machine(threads=threads),
@@ -140,14 +141,16 @@ def test_the_bottoms_node_on_the_axis_bears_both_halves():
 
 def test_smooth_walls_are_halved_by_themselves_and_an_odd_number_of_cells_never():
     assert half_model(scene("auto"))[0]
-    odd = Scene(silo=Silo(width_m=0.1), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth"))
+    odd = Scene(
+        silo=Silo(width_m=0.1), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth", friction_angle_deg=19.0)
+    )
     on, because = half_model(odd)
     assert not on
     assert "5 cells" in because
 
 
 def test_a_slender_silo_whose_sand_may_sway_stays_whole():
-    slender = Scene(silo=Silo(width_m=0.04), walls=Walls(kind="smooth"))
+    slender = Scene(silo=Silo(width_m=0.04), walls=Walls(kind="smooth", friction_angle_deg=19.0))
     on, because = half_model(slender)
     assert not on
     assert "12.5 times as high as wide" in because

@@ -114,14 +114,17 @@ HOPPER = Silo(width_m=0.1, height_m=0.2, hopper=Hopper(half_angle_deg=20.0, outl
 ROUND = Silo(width_m=0.1, height_m=0.2, section="round", outlet=Outlet(width_m=0.04))
 SCENES = {
     "very rough": {},
-    "smooth, four points a cell": {"walls": Walls(kind="smooth"), "grid": Mesh(cell_size_m=0.01, points_per_cell=4)},
+    "smooth, four points a cell": {
+        "walls": Walls(kind="smooth", friction_angle_deg=19.0),
+        "grid": Mesh(cell_size_m=0.01, points_per_cell=4),
+    },
     "nine points of hats": {"grid": Mesh(cell_size_m=0.02, points_per_cell=9, shape="linear")},
     "convected domains": {"grid": Mesh(cell_size_m=0.02, points_per_cell=4, shape="cpdi")},
     "splines, blend": {"grid": Mesh(cell_size_m=0.01, shape="bspline"), "method": Method(transfer="blend")},
     "cpgimp, pic": {"grid": Mesh(cell_size_m=0.01, shape="cpgimp"), "method": Method(transfer="pic")},
     "memory": {"sand": Sand(law="intergranular")},
     "non-local": {"averaging": Averaging(characteristic_length_m=0.01)},
-    "hopper": {"silo": HOPPER, "walls": Walls(kind="smooth")},
+    "hopper": {"silo": HOPPER, "walls": Walls(kind="smooth", friction_angle_deg=19.0)},
     "round, outlet": {"silo": ROUND},
 }
 

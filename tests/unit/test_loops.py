@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
-from taichi_silo.scene.scene import Flow, Mesh, Method, Scene, Silo, Walls
+from taichi_silo.scene.scene import Flow, Mesh, Method, Scene, Silo
 from taichi_silo.scene.silo import Hopper
 from taichi_silo.simulation.simulation import Simulation
 
@@ -20,7 +21,9 @@ def state_after(steps, threads=1, shared=None, walls="very-rough", shape="ugimp"
     runtime.init(threads=threads)
     grid, variant = Mesh(cell_size_m=0.01, shape=shape, points_per_cell=per_cell), Method(**method)
     silo = silo or SCENE.silo
-    scene = SCENE.model_copy(update={"walls": Walls(kind=walls), "grid": grid, "method": variant, "silo": silo})
+    scene = SCENE.model_copy(
+        update={"walls": model_silo.walls(walls, 0.60), "grid": grid, "method": variant, "silo": silo}
+    )
     simulation = Simulation(scene)
     if shared:
         whole = simulation.solver

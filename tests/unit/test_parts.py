@@ -65,7 +65,7 @@ def test_the_average_is_on_once_points_are_closer_than_its_length():
 def test_friction_is_solved_only_where_sand_slips_with_friction():
     assert decided()["wall friction solve"].choice == "off"
     assert decided(walls=Walls(bottom_friction_angle_deg=20.0))["wall friction solve"].choice == "on"
-    part = decided(walls=Walls(kind="smooth"))["wall friction solve"]
+    part = decided(walls=Walls(kind="smooth", friction_angle_deg=19.0))["wall friction solve"]
     assert part.choice == "on"
     assert "19 deg" in part.because
     assert decided(walls=Walls(kind="smooth", friction_angle_deg=0.0))["wall friction solve"].choice == "off"
@@ -83,10 +83,14 @@ def test_without_noise_control_the_list_says_so():
 
 def test_nodes_in_the_sand_are_counted_of_what_is_computed():
     whole, half = (
-        decided(silo=Silo(half=choice), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth"))["inactive cells"]
+        decided(
+            silo=Silo(half=choice), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth", friction_angle_deg=19.0)
+        )["inactive cells"]
         for choice in ("no", "yes")
     )
-    simulation = Simulation(Scene(silo=Silo(half="no"), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth")))
+    simulation = Simulation(
+        Scene(silo=Silo(half="no"), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth", friction_angle_deg=19.0))
+    )
     assert whole.because.startswith(f"{11 * 26} of {simulation.solver.grid.nodes} nodes")
     assert half.because.startswith(f"{6 * 26} of ")
 
@@ -108,7 +112,8 @@ def test_twice_the_records_change_no_force():
 
     def run(records):
         scene = Scene(
-            silo=Silo(width_m=0.12, height_m=0.2), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth"),
+            silo=Silo(width_m=0.12, height_m=0.2), grid=Mesh(cell_size_m=0.02),
+            walls=Walls(kind="smooth", friction_angle_deg=19.0),
             flow=Flow(speed_m_per_s=0.02, displacement_m=0.001), output=Output(records_per_period=records),
             method=Method(filling_time_s=0.2, longest_settling_s=0.1),
         )  # fmt: skip

@@ -361,7 +361,7 @@ def test_known_limits_are_those_of_the_kind_of_run(tmp_path):
     )
     assert any("6 cells wide" in words for words in known_limits(narrow))
     assert any("driven at 20 mm/s" in words for words in known_limits(narrow))
-    smooth = written(tmp_path / "smooth", Scene(walls={"kind": "smooth"}))
+    smooth = written(tmp_path / "smooth", Scene(walls={"kind": "smooth", "friction_angle_deg": 19.0}))
     assert known_limits(smooth) == []
 
 

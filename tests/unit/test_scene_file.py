@@ -7,6 +7,7 @@ import tomli_w
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from taichi_silo.cli import model_silo
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.scene import reference, sands
@@ -100,7 +101,7 @@ def test_a_scene_written_and_read_is_the_same(tmp_path_factory, width, height, s
         columns += (width - columns) % 2 if position == "centre" else 0
         gate = Outlet(width_m=columns * h, position=position) if columns < width else None
     scene = Scene(
-        silo=Silo(width_m=width * h, height_m=height * h, outlet=gate), walls=Walls(kind=walls),
+        silo=Silo(width_m=width * h, height_m=height * h, outlet=gate), walls=model_silo.walls(walls, 0.60),
         grid=Mesh(cell_size_m=h), sand=sands.sand(name, 0.5 * (known["e_d0"] + known["e_c0"])),
         flow=Flow(speed_m_per_s=speed, displacement_m=share * height * h * (0.5 if gate else 1.0)),
     )  # fmt: skip
@@ -112,7 +113,7 @@ def test_a_scene_written_and_read_is_the_same(tmp_path_factory, width, height, s
 def test_changes_stand_over_the_file(read):
     scene = read(
         '[sand]\nname = "hostun"\nvoid_ratio = 0.7', "flow.speed_m_per_s=0.005", "silo.outlet.width_m=0.08",
-        "walls.kind=smooth", "silo.outlet.position=right",
+        "walls.kind=smooth", "walls.friction_angle_deg=19", "silo.outlet.position=right",
     )  # fmt: skip
     assert (scene.flow.speed_m_per_s, scene.silo.outlet, scene.walls.kind) == (
         0.005, Outlet(width_m=0.08, position="right"), "smooth",

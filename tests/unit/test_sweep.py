@@ -74,7 +74,7 @@ def test_a_grid_is_every_combination_of_an_inline_scene():
         [scene]
         sand = "hostun"
         "sand.void_ratio" = 0.7
-        walls.kind = "smooth"
+        walls = {kind = "smooth", friction_angle_deg = 19}
         machine.threads = 4096
         [grid]
         "silo.outlet.width_m" = ["default", 0.08]
@@ -106,8 +106,8 @@ def test_a_scene_and_a_sand_are_found_beside_the_sweeps_file(tmp_path):
 
 
 def test_flags_stand_for_a_file():
-    plan = wanted(None, [], ["walls.kind=smooth,very-rough"], NOTHING | {"fidelity": "draft", "film": True, "jobs": 1})
-    assert list(plan.scenes()) == ["walls-smooth", "walls-very-rough"]
+    plan = wanted(None, [], ["filling.kind=rain,layers"], NOTHING | {"fidelity": "draft", "film": True, "jobs": 1})
+    assert list(plan.scenes()) == ["filling-rain", "filling-layers"]
     assert plan.film and plan.cluster == Local(jobs=1)
     assert {scene.flow.speed_m_per_s for scene in plan.scenes().values()} == {0.02}
     assert wanted(None, [], ["sand=hostun"], NOTHING | {"slurm": True}).cluster == Slurm()
@@ -176,7 +176,7 @@ BETWEEN = {
     "flow.speed_m_per_s": {"low": 1e-3, "high": 1.0, "logarithmic": True},
     "silo.outlet.width_m": {"low": 0.04, "high": 0.12, "step": 0.02},
     "filling.layers": [1, 4],
-    "walls.kind": ["smooth", "very-rough"],
+    "filling.kind": ["rain", "layers"],
 }
 
 
@@ -189,7 +189,7 @@ def test_each_part_of_each_range_is_drawn_once():
         assert sorted(np.floor(part * runs * (1.0 - 1e-6)).astype(int)) == list(range(runs))
     assert drawn["silo.outlet.width_m"].value_counts().to_dict() == dict.fromkeys((0.04, 0.06, 0.08, 0.1, 0.12), 4)
     assert drawn["filling.layers"].value_counts().to_dict() == dict.fromkeys((1, 2, 3, 4), 5)
-    assert drawn["walls.kind"].value_counts().to_dict() == {"smooth": 10, "very-rough": 10}
+    assert drawn["filling.kind"].value_counts().to_dict() == {"rain": 10, "layers": 10}
     assert all(float(f"{one:.6g}") == one for one in drawn["flow.speed_m_per_s"]), "the table shows what was used"
 
 
@@ -211,7 +211,7 @@ def test_runs_of_a_hypercube_are_numbered_and_none_is_there_twice():
         [latin_hypercube]
         runs = 12
         [latin_hypercube.between]
-        walls.kind = ["smooth", "very-rough"]
+        filling.kind = ["rain", "layers"]
         flow.displacement_m = { low = 0.01, high = 0.02, step = 0.01 }
     """)
     assert len(found) == len({scene.model_dump_json() for scene in found.values()}) <= 4
@@ -235,11 +235,11 @@ def study(folder: Path, *texts: str, overwrite: bool = False, **more) -> Study:
 
 
 def test_what_is_there_is_kept_drawn_and_in_the_table_without_a_cluster(tmp_path):
-    one = study(tmp_path, "silo.outlet.width_m=0.04,0.08", "walls.kind=smooth,very-rough")
+    one = study(tmp_path, "silo.outlet.width_m=0.04,0.08", "filling.kind=rain,layers")
     for number, run in enumerate(one.runs.values()):
         left(run, 1e3 * (1 + number))
-    again = study(tmp_path, "silo.outlet.width_m=0.04,0.08", "walls.kind=smooth,very-rough")
-    assert again.missing == {} and again.varied == ["silo.outlet.width_m", "walls.kind"]
+    again = study(tmp_path, "silo.outlet.width_m=0.04,0.08", "filling.kind=rain,layers")
+    assert again.missing == {} and again.varied == ["silo.outlet.width_m", "filling.kind"]
     again.run()
     table = pd.read_csv(tmp_path / TABLE)
     assert table[PRESSURE].tolist() == [1e3, 2e3, 3e3, 4e3] and table.finished.all()
@@ -247,8 +247,8 @@ def test_what_is_there_is_kept_drawn_and_in_the_table_without_a_cluster(tmp_path
     assert [file.name for file in again.left] == [TABLE, "response.png"]
     assert not (tmp_path / ".sweep").exists()
     assert json.loads(json.dumps(again.result, default=str))["runs"] == dict.fromkeys(one.runs, True)
-    assert set(study(tmp_path, "walls.kind=smooth,very-rough", overwrite=True).missing) == {
-        "walls-smooth", "walls-very-rough"
+    assert set(study(tmp_path, "filling.kind=rain,layers", overwrite=True).missing) == {
+        "filling-rain", "filling-layers"
     }  # fmt: skip
 
 
@@ -290,21 +290,21 @@ def test_an_estimate_says_what_it_would_cost_and_leaves_nothing(tmp_path, capsys
 
 
 def test_a_folder_with_another_scenes_run_is_refused(tmp_path):
-    left(Run(Scene(), tmp_path / "walls-smooth"), 1.0)
+    left(Run(Scene(), tmp_path / "filling-rain"), 1.0)
     with pytest.raises(BadInput, match="holds another scene's run"):
-        study(tmp_path, "walls.kind=smooth,very-rough")
+        study(tmp_path, "filling.kind=rain,layers")
 
 
 def test_a_response_that_the_table_does_not_hold_is_refused(tmp_path):
     for response, sentence in (
         (Response(y="P_fill_N_per_m"), "response.y is P_fill_N_per_m; did you mean P_filled_N_per_m?"),
         (Response(y="flow_pattern"), "response.y is flow_pattern; "),
-        (Response(x="walls.colour"), "response.x is walls.colour; did you mean walls.kind?"),
+        (Response(x="filling.colour"), "response.x is filling.colour; did you mean filling.kind?"),
         (Response(colour="pattern"), "response.colour is pattern; did you mean flow_pattern?"),
     ):
         with pytest.raises(BadInput, match=sentence):
-            study(tmp_path, "walls.kind=smooth,very-rough", response=response)
-    study(tmp_path, "walls.kind=smooth,very-rough", response=Response(x="walls.kind", colour="flow_pattern"))
+            study(tmp_path, "filling.kind=rain,layers", response=response)
+    study(tmp_path, "filling.kind=rain,layers", response=Response(x="filling.kind", colour="flow_pattern"))
 
 
 def test_a_sweep_without_its_libraries_says_what_is_missing(monkeypatch):

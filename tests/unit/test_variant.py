@@ -98,7 +98,7 @@ def test_sand_with_a_hundred_times_the_inertia_does_the_same_ten_times_slower():
     runs = {}
     for factor in (1.0, 100.0):
         method = Method(mass_scaling=factor, filling_time_s=0.3 * factor**0.5, longest_settling_s=0.0)
-        simulation = Simulation(Scene(**COARSE, walls=Walls(kind="smooth"), method=method))
+        simulation = Simulation(Scene(**COARSE, walls=Walls(kind="smooth", friction_angle_deg=19.0), method=method))
         runs[factor] = simulation, list(simulation.fill())[-1]
     (light, one), (heavy, other) = runs.values()
     assert heavy.period == pytest.approx(10.0 * light.period)
@@ -115,7 +115,7 @@ def test_a_silo_at_rest_does_not_depend_on_the_shape_but_on_what_the_stress_upda
         method = Method(stress_update=update, filling_time_s=0.3, longest_settling_s=0.2)
         scene = Scene(
             silo=COARSE["silo"], grid=Mesh(cell_size_m=0.02, shape=shape), machine=COARSE["machine"],
-            walls=Walls(kind="smooth"), method=method,
+            walls=Walls(kind="smooth", friction_angle_deg=19.0), method=method,
         )  # fmt: skip
         return list(Simulation(scene).fill())[-1].normal_N_per_m
 
@@ -127,7 +127,9 @@ def test_a_silo_at_rest_does_not_depend_on_the_shape_but_on_what_the_stress_upda
 
 class TestRatcheting:
     def simulation(self):
-        return Simulation(Scene(**COARSE, walls=Walls(kind="smooth"), flow=Flow(displacement_m=0.001)))
+        return Simulation(
+            Scene(**COARSE, walls=Walls(kind="smooth", friction_angle_deg=19.0), flow=Flow(displacement_m=0.001))
+        )
 
     def look(self, simulation, loss):
         guard = Guard()
@@ -187,7 +189,7 @@ def test_every_shape_runs_through_a_whole_coarse_silo(shape):
     """Filled and lowered: balance closed, all sand there, N within 5 % of Janssen's neighbourhood of uGIMP's."""
     scene = Scene(
         silo=COARSE["silo"], grid=Mesh(cell_size_m=0.02, shape=shape), machine=COARSE["machine"],
-        walls=Walls(kind="smooth"), flow=Flow(speed_m_per_s=0.02, displacement_m=0.001),
+        walls=Walls(kind="smooth", friction_angle_deg=19.0), flow=Flow(speed_m_per_s=0.02, displacement_m=0.001),
         method=Method(filling_time_s=0.2, longest_settling_s=0.1),
     )  # fmt: skip
     records = list(Simulation(scene).run())

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from taichi_silo.cli.model_silo import SMOOTH_ANGLE_DEG
 from taichi_silo.errors import BadInput
 from taichi_silo.scene.scene import Scene
 from validation.accuracy.points import Point, point
@@ -20,6 +21,12 @@ class Entry:
     purpose: str
     point: Point
     paths: tuple[str, ...]
+
+
+WALLS = {  # of dense sand
+    "very-rough": {"walls.kind": "very-rough"},
+    "smooth": {"walls.kind": "smooth", "walls.friction_angle_deg": SMOOTH_ANGLE_DEG["dense"]},
+}
 
 
 def entries(program: Program, walls: str = "both", dial: str = "all") -> list[Entry]:
@@ -46,7 +53,7 @@ def entries(program: Program, walls: str = "both", dial: str = "all") -> list[En
         raise BadInput(f"dial is {name}; it must be all, or some of {', '.join(sorted(names))}")
     found = []
     for kind in chosen:
-        base = program.base | {"walls.kind": kind}
+        base = program.base | WALLS[kind]
 
         def entry(name: str, setting: dict, purpose: str, label: str = "", base=base, kind=kind) -> Entry:
             one = point(Scene(), base | setting)

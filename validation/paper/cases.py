@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
+from taichi_silo.cli.model_silo import SMOOTH_ANGLE_DEG
+
 VOID_RATIO = {"dense": 0.60, "loose": 0.90}
-SMOOTH_ANGLE_DEG = {"dense": 19.0, "loose": 12.3}  # measured; very rough walls have none, the sand sticks to them
 WALLS = ("smooth", "very-rough")
 
 

@@ -43,7 +43,8 @@ QUICK = ("drag to the mean (default)", "no control")
 def silo(method: dict, law: str, control: str | None) -> Simulation:
     """The model silo on 10 mm cells, dense sand, smooth walls."""
     scene = Scene(
-        silo=Silo(half="no"), sand=Sand(law=law), walls=Walls(kind="smooth"), grid=Mesh(cell_size_m=0.01),
+        silo=Silo(half="no"), sand=Sand(law=law),
+        walls=Walls(kind="smooth", friction_angle_deg=19.0), grid=Mesh(cell_size_m=0.01),
         flow=Flow(speed_m_per_s=0.005, displacement_m=0.002),
         method=Method(longest_settling_s=0.3, **method), machine=Machine(threads=1),
     )  # fmt: skip
@@ -106,7 +107,7 @@ def history(method: dict, law: str, control: str | None) -> dict:
     scene = simulation.scene
     ratio = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio)
     weight = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
-    theory = Janssen(scene.silo.width_m, scene.silo.height_m, weight, scene.wall_friction_angle_deg, ratio)
+    theory = Janssen(scene.silo.width_m, scene.silo.height_m, weight, scene.walls.friction_angle_deg, ratio)
     steady = rows[len(rows) // 2 :, 1]
     return {
         "filled": float(filled), "shaken": periods[-1], "shaken_void": after["void_ratio"] - before["void_ratio"],

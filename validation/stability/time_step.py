@@ -81,7 +81,7 @@ def coarse_silo(cfl: float, points_per_cell: int = 1) -> float:
     The time step is `cfl` times h / (c + |v|).
     """
     scene = Scene(
-        silo=Silo(width_m=0.1, height_m=0.3), walls=Walls(kind="smooth"),
+        silo=Silo(width_m=0.1, height_m=0.3), walls=Walls(kind="smooth", friction_angle_deg=19.0),
         grid=Mesh(cell_size_m=0.01, points_per_cell=points_per_cell),
         flow=Flow(speed_m_per_s=0.005, displacement_m=0.001), method=Method(cfl=cfl),
     )  # fmt: skip

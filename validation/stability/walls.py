@@ -51,7 +51,7 @@ def slot(cells_across: int, shape: str = "ugimp", slenderness: float = 4.0) -> d
     width = cells_across * cell
     height = round(slenderness * width / cell) * cell
     scene = Scene(
-        sand=Sand(), silo=Silo(width_m=width, height_m=height), walls=Walls(kind="smooth"),
+        sand=Sand(), silo=Silo(width_m=width, height_m=height), walls=Walls(kind="smooth", friction_angle_deg=19.0),
         grid=Mesh(cell_size_m=cell, shape=shape), flow=Flow(speed_m_per_s=0.002, displacement_m=0.0005),
         machine=Machine(threads=1),
     )  # fmt: skip
@@ -59,7 +59,7 @@ def slot(cells_across: int, shape: str = "ugimp", slenderness: float = 4.0) -> d
     records = list(simulation.run())
     weight = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
     ratio = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio)
-    theory = Janssen(width, height, weight, scene.wall_friction_angle_deg, ratio).normal_force_N_per_m
+    theory = Janssen(width, height, weight, scene.walls.friction_angle_deg, ratio).normal_force_N_per_m
     normal = np.mean([record.normal_N_per_m for record in records[-20:]])
     return {
         "bad": float(max(record.strays for record in records)), "normal": abs(float(normal) / theory - 1.0)

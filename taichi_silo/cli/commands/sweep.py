@@ -51,7 +51,7 @@ def sweep(
     its row of sweep.csv, and stops no other.
 
     Examples: taichi-silo sweep outlets.toml --estimate,
-    taichi-silo sweep --vary silo.outlet.width_m=0.04,0.08 --vary walls.kind=smooth,very-rough --fidelity draft
+    taichi-silo sweep --vary silo.outlet.width_m=0.04,0.08 --vary sand=karlsruhe,hostun --fidelity draft
     """
     from taichi_silo.errors import RunFailed
     from taichi_silo.runs.run_folder import named

@@ -185,7 +185,7 @@ class Summary(Observer):
         """Theory at the law's own K0 and at the K measured in the sand, beside the forces after filling."""
         scene, points = self.simulation.scene, self.after_filling
         ratio = measured_pressure_ratio(points, scene, self.simulation.spacing)
-        angle = scene.wall_friction_angle_deg
+        angle = scene.walls.friction_angle_deg
         if scene.walls.kind == "very-rough":
             angle = filling["wall_friction_angle_deg"]
         found = {

@@ -139,7 +139,7 @@ def _drawable(runs):
 
 def _group_title(column: int, group) -> str:
     known = np.isfinite(group[0].void_ratio)
-    return f"{chr(65 + column)}) " + (sand_title(group[0].void_ratio) if known else "unknown sand")
+    return f"{chr(65 + column)}) " + (sand_title(group[0]) if known else "unknown sand")
 
 
 def _curve(panel, run, quantity, color, label, raw_label=None):

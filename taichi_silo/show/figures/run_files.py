@@ -13,7 +13,7 @@ from taichi_silo.errors import BadInput
 from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.runs.snapshot import figured
 from taichi_silo.runs.theories import eurocode_of
-from taichi_silo.scene.scene import LOOSE_FROM
+from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.silo import Silo
 from taichi_silo.utils import bounded_reading, vtu
 
@@ -87,11 +87,16 @@ class RunFiles:
         return self.parameter("sand", "void_ratio", float("nan"))
 
     @property
+    def loose(self) -> bool:
+        """Whether the sand is looser than its critical void ratio without pressure, so that shear contracts it."""
+        return self.void_ratio > self.parameter("sand", "e_c0", Sand.model_fields["e_c0"].default)
+
+    @property
     def title(self) -> str:
         """One line that says which sand and which walls."""
         words = []
         if np.isfinite(self.void_ratio):
-            words.append(sand_title(self.void_ratio))
+            words.append(sand_title(self))
         angle = self.parameter("walls", "friction_angle_deg")
         if self.wall_kind == "smooth" and angle is not None:
             words.append(f"smooth walls ({angle:g}°)")
@@ -229,9 +234,9 @@ def _table(path: Path, columns: tuple[str, ...], trouble: list) -> pd.DataFrame:
     return table
 
 
-def sand_title(void_ratio: float) -> str:
-    """Return the name of a sand of this initial void ratio."""
-    return f"initially {'loose' if void_ratio >= LOOSE_FROM else 'dense'} sand ($e_0$ = {void_ratio:.2f})"
+def sand_title(run: RunFiles) -> str:
+    """Return the name of a run's sand: loose or dense, with its initial void ratio."""
+    return f"initially {'loose' if run.loose else 'dense'} sand ($e_0$ = {run.void_ratio:.2f})"
 
 
 def by_void_ratio(runs) -> list[list[RunFiles]]:

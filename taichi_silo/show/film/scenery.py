@@ -54,7 +54,7 @@ def title(scene) -> str:
     """What is seen."""
     walls = "very rough walls"
     if scene.walls.kind == "smooth":
-        walls = f"smooth walls ({scene.wall_friction_angle_deg:g}°)"
+        walls = f"smooth walls ({scene.walls.friction_angle_deg:g}°)"
     silo = scene.silo.words()
     words = [f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}", walls, silo]
     return ", ".join(word for word in words if word)

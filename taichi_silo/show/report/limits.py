@@ -1,7 +1,6 @@
 """What is known not to converge, or not to be told, in a run of this kind: the README's known limits that apply."""
 
 from taichi_silo.scene.fidelity import like
-from taichi_silo.scene.scene import LOOSE_FROM
 from taichi_silo.show.figures.run_files import RunFiles
 
 FEWEST_CELLS = 10  # that an outlet should be wide
@@ -36,7 +35,7 @@ def known_limits(run: RunFiles) -> list[str]:
             f"The law has no length of its own on this grid: shear zones are one to two cells ({1e3 * cell:g} to "
             f"{2e3 * cell:g} mm) thick, and what depends on their thickness depends on the grid."
         )
-    if rough and run.void_ratio >= LOOSE_FROM:
+    if rough and run.loose:
         found.append(
             "Loose sand between very rough walls splits into bands one cell high while it is filled in; P, T and N "
             "scatter by 2 to 4 % between runs that differ in nothing but rounding."

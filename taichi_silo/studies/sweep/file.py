@@ -14,7 +14,7 @@ seed = 1
 "flow.speed_m_per_s" = [0.002, 0.02]
 "sand.granular_hardness_Pa" = { low = 50e6, high = 1e9, logarithmic = true }
 "silo.outlet.width_m" = { low = 0.04, high = 0.12, step = 0.02 }
-"walls.kind" = ["smooth", "very-rough"]
+"walls.kind" = ["smooth", "very-rough"]        # of which the angle of the scene holds for smooth ones
 """
 
 from pathlib import Path
