@@ -1,16 +1,18 @@
-"""One process at a time: a lock of the operating system on a file, which a process that is gone holds no more."""
+"""One process at a time in a folder: a lock of the operating system, which a process that is gone holds no more."""
 
 import contextlib
+import errno
 import os
-import time
 from collections.abc import Iterator
 from pathlib import Path
+
+from filelock import FileLock, Timeout
 
 from taichi_silo.errors import BadInput
 
 NAME = ".lock"  # in the folder of a run
-FAR = 1 << 20  # a byte beyond the file's end: Windows lets nobody read what is locked
 ASKED_EVERY_S = 0.2
+NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP)  # of a file system, often a network's, that has none
 
 
 @contextlib.contextmanager
@@ -34,7 +36,7 @@ def alone(file: Path, wait_s: float, busy: str) -> Iterator[None]:
 
     Parameters
     ----------
-    file : that is locked; it is there only as long.
+    file : that is locked, and removed at the end; it holds the number of the process.
     wait_s : how long to wait for another process.
     busy : the sentence if that takes longer; %s in it stands for the number of that process.
 
@@ -44,69 +46,28 @@ def alone(file: Path, wait_s: float, busy: str) -> Iterator[None]:
         with that sentence; or if the file cannot be written.
 
     """
-    end = time.monotonic() + wait_s
-    while (stream := _taken(file)) is None:
-        if time.monotonic() > end:
-            raise BadInput(busy.replace("%s", _holder(file)))
-        time.sleep(ASKED_EVERY_S)
+    lock = FileLock(file, timeout=wait_s, poll_interval=ASKED_EVERY_S)
     try:
-        stream.truncate(0)
-        stream.write(b"%d\n" % os.getpid())
-        stream.flush()
+        os.stat(file.parent)  # the library would make the folder
+        lock.acquire()
+    except Timeout:
+        raise BadInput(busy.replace("%s", _holder(file))) from None
+    except OSError as error:
+        if error.errno not in NO_LOCKS:
+            raise BadInput(f"output {file.parent} cannot be written: {error.strerror or error}") from error
+    try:
+        with contextlib.suppress(PermissionError):  # Windows: what is locked cannot be written
+            file.write_text(f"{os.getpid()}\n", encoding="utf-8")
         yield
     finally:
         with contextlib.suppress(OSError):  # Windows removes no open file; one that stays holds nothing
             file.unlink()
-        stream.close()
-
-
-def _taken(file: Path):
-    """The locked file, opened; None if another process has it."""
-    try:
-        stream = open(file, "a+b")  # noqa: SIM115 - its closing is the release
-    except OSError as error:
-        if os.name == "nt" and isinstance(error, PermissionError):  # while it is being removed
-            return None
-        raise BadInput(f"output {file.parent} cannot be written: {error.strerror or error}") from error
-    if _lock(stream) and _is_still(file, stream):  # not one that its last holder has just removed
-        return stream
-    stream.close()
-    return None
+        lock.release()
 
 
 def _holder(file: Path) -> str:
+    """Number of the process that has locked a file."""
     try:
         return file.read_text(encoding="utf-8").strip() or "unknown"
     except (OSError, UnicodeDecodeError):
         return "unknown"
-
-
-def _is_still(file: Path, stream) -> bool:
-    """Whether an open file is the one that has the name."""
-    try:
-        return os.path.samestat(file.stat(), os.fstat(stream.fileno()))
-    except FileNotFoundError:
-        return False
-
-
-if os.name == "nt":
-    import msvcrt
-
-    def _lock(stream) -> bool:
-        stream.seek(FAR)
-        try:
-            msvcrt.locking(stream.fileno(), msvcrt.LK_NBLCK, 1)
-        except OSError:
-            return False
-        return True
-else:
-    import fcntl
-
-    def _lock(stream) -> bool:
-        try:
-            fcntl.flock(stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return False
-        except OSError:
-            return True  # a file system that knows no locks
-        return True

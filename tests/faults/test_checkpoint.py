@@ -325,8 +325,8 @@ def test_a_run_that_is_killed_and_stopped_again_and_again_loses_nothing(tmp_path
 
 def test_a_second_run_in_the_same_folder_is_refused_until_the_first_is_gone(left):
     holder = subprocess.Popen(
-        [sys.executable, "-c", f"from taichi_silo import lock; from pathlib import Path\n"
-         f"with lock.held(Path({str(left)!r})): print('held', flush=True); input()"],
+        [sys.executable, "-c", f"from taichi_silo.utils import file_lock; from pathlib import Path\n"
+         f"with file_lock.held(Path({str(left)!r})): print('held', flush=True); input()"],
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=os.environ | {"PYTHONPATH": str(ROOT)},
     )  # fmt: skip
     assert holder.stdout.readline() == "held\n"
