@@ -14,6 +14,7 @@ import pytest
 from taichi_silo.mpm import loops as steps
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.simd import Lanes
+from tests import taichi_frontend  # noqa: F401 - it makes Taichi's front end faster
 
 DATA = Path(__file__).parent / "data"
 AFFINITY = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
@@ -38,6 +39,20 @@ def all_cores():
     os.sched_setaffinity(0, own)
 
 
+def pytest_collection_modifyitems(items):
+    """What lies in tests/mechanics says a sentence of mechanics; elsewhere the mark says it."""
+    for item in items:
+        if item.path.parent.name == "mechanics":
+            item.add_marker("mechanics")
+
+
+def pytest_terminal_summary(terminalreporter):
+    """How much of the time went into mechanics; what all processes of the tests spent is added up."""
+    reports = [one for group in terminalreporter.stats.values() for one in group if hasattr(one, "duration")]
+    mechanics = sum(one.duration for one in reports if "mechanics" in one.keywords)
+    terminalreporter.write_line(f"mechanics: {mechanics:.0f} of {sum(one.duration for one in reports):.0f} s")
+
+
 def pytest_addoption(parser):
     parser.addoption("--renew-curves", action="store_true", help="write the stored force curves anew")
 
@@ -49,14 +64,15 @@ def taichi():
 
 @pytest.fixture(autouse=True, scope="module")
 def loops(request):
-    """Lanes compile five times as long as the plain loop, of which they are proved to be the equal (test_lanes.py).
+    """Sand steps eight points at once, as users' does; tests of single formulas, in tests/unit, step plainly.
 
-    Only modules with LANES = True step with them; others would spend most of their time on compilation. For the same
-    reason a launch with atomic sums, in which every step is compiled anew, has two steps instead of eight.
+    For eight points a kernel takes five times as long to compile, and those tests have a kernel each. A module says
+    otherwise with LANES = True or False. For the same reason a launch with atomic sums, in which every step is compiled
+    anew, has two steps instead of eight.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(steps, "BURST", 2)
-        if not getattr(request.module, "LANES", False):
+        if not getattr(request.module, "LANES", request.path.parent.name != "unit"):
             patch.setattr(Lanes, "why_not", staticmethod(lambda solver: "this test does without"))
         yield
 

@@ -13,7 +13,6 @@ from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.runs import session
 from taichi_silo.runs.session import run
 
-LANES = True  # see conftest.py; scenes that do without say so
 pytestmark = pytest.mark.usefixtures("all_cores")
 ROOT = Path(__file__).parents[2]
 CURVES = ("forces.csv", "balance.csv", "walls.csv")

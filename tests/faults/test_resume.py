@@ -23,7 +23,6 @@ from taichi_silo.scene.scene import Averaging, Filling, Flow, Machine, Mesh, Met
 from taichi_silo.scene.silo import Hopper, Outlet
 from taichi_silo.show.film import movie
 
-LANES = True  # see conftest.py; scenes that do without say so
 SMOOTH, ROUGH = Walls(kind="smooth", friction_angle_deg=19.0), Walls(kind="very-rough")
 LOW = Silo(height_m=0.4)
 FLOW, FAST = Flow(speed_m_per_s=0.05, displacement_m=0.002), Flow(speed_m_per_s=0.5, displacement_m=0.16)

@@ -12,8 +12,6 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-LANES = True  # see conftest.py
-
 pytestmark = pytest.mark.long
 
 SCRIPT = Path(__file__).parents[2] / "validation" / "four_cases.py"

@@ -14,8 +14,6 @@ from taichi_silo.scene import sands
 from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import Simulation
 
-LANES = True  # see conftest.py
-
 
 @st.composite
 def any_sand(draw):

@@ -16,8 +16,6 @@ from taichi_silo.runs.observers.wall_profiles import wall_stress
 from taichi_silo.scene.scene import Flow, Mesh, Method, Sand, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import LEFT, RIGHT, Simulation
 
-LANES = True  # see conftest.py
-
 CASES = [(0.60, "smooth"), (0.60, "very-rough"), (0.90, "smooth"), (0.90, "very-rough")]
 CURVES = ("displacement_m", "bottom_N_per_m", "shear_N_per_m", "normal_N_per_m")
 
