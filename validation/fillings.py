@@ -14,11 +14,10 @@ import pandas as pd
 from typer import Option
 
 from taichi_silo.cli import command_line, model_silo
-from taichi_silo.errors import RunFailed
-from taichi_silo.runs.run_folder import writable
-from taichi_silo.scene.scene import Filling, Flow, Machine, Mesh, Sand, Scene, Silo, cores
+from taichi_silo.scene.scene import Filling, Flow, Machine, Mesh, Sand, Scene, Silo
 from taichi_silo.show.figures import plot_cases
-from taichi_silo.studies.sweep.runs import Run, simulate
+from taichi_silo.studies.run_all import run_all
+from taichi_silo.studies.sweep.runs import Run
 
 WAYS = get_args(Filling.model_fields["kind"].annotation)
 NAMES = ("bottom_N_per_m", "shear_N_per_m", "normal_N_per_m")
@@ -39,16 +38,13 @@ def fillings(
     for walls in ("smooth", "very-rough"):
         for way in WAYS:
             scene = Scene(
-                silo=Silo(half="no"), sand=Sand(void_ratio=void_ratio), walls=model_silo.walls(walls, void_ratio),
-                grid=Mesh(cell_size_m=cell_size), filling=Filling(kind=way, layers=layers, drop_m=drop),
+                silo=Silo(half="no"), sand=Sand(void_ratio=void_ratio),
+                walls=model_silo.walls(walls, void_ratio), grid=Mesh(cell_size_m=cell_size),
+                filling=Filling(kind=way, layers=layers, drop_m=drop),
                 flow=Flow(speed_m_per_s=speed, displacement_m=displacement), machine=Machine(threads=1),
             )  # fmt: skip
             runs[f"{walls}, {way}"] = Run(scene, output / f"{walls}_{way}")
-    missing = {name: run for name, run in runs.items() if not run.finished}
-    writable(output)
-    failures = simulate(missing, cores(), lambda words: print(words, flush=True))
-    for name, why in failures.items():
-        raise RunFailed(f"in the run '{name}': {why}")
+    run_all(runs, output)
     rows = []
     for name, run in runs.items():
         found = run.summary

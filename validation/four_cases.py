@@ -13,20 +13,12 @@ from typer import Option
 
 from taichi_silo import Flow, Machine, Mesh, Method, Scene
 from taichi_silo.cli import command_line, flags, model_silo
-from taichi_silo.errors import RunFailed
-from taichi_silo.runs.run_folder import writable
 from taichi_silo.scene import sands
-from taichi_silo.scene.scene import cores
 from taichi_silo.show.figures import plot_cases
-from taichi_silo.studies.sweep.runs import Run, simulate
+from taichi_silo.studies.run_all import run_all
+from taichi_silo.studies.sweep.runs import Run
 
 LAW = "gudehus-bauer"  # the paper's
-CASES = {
-    "dense, smooth": ("dense", "smooth"),
-    "dense, very rough": ("dense", "very-rough"),
-    "loose, smooth": ("loose", "smooth"),
-    "loose, very rough": ("loose", "very-rough"),
-}
 
 
 def four_cases(
@@ -42,25 +34,20 @@ def four_cases(
     film: Annotated[bool, Option(help="draw the films")] = True,
 ):
     """Run the paper's four cases and draw them side by side."""
-    runs = {}
-    for name, (packing, walls) in CASES.items():
-        scene = Scene(
-            sand=sands.sand(sand, {"dense": dense, "loose": loose}[packing], law=LAW),
-            walls=model_silo.walls(walls, {"dense": dense, "loose": loose}[packing]),
-            grid=Mesh(cell_size_m=cell_size, shape=shape),
-            flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
-            method=Method(**method),
-            machine=Machine(threads=1),
-        )
-        runs[name] = Run(scene, output.expanduser() / name.replace(", ", "_").replace(" ", "-"), film)
-    missing = {name: run for name, run in runs.items() if not run.finished}
-    for name in (name for name in runs if name not in missing):
-        print(f"{name:20s} kept", flush=True)
-    writable(output)
-    failures = simulate(missing, min(len(CASES), cores()), lambda words: print(words, flush=True))
-    for name, why in failures.items():
-        raise RunFailed(f"in the case '{name}': {why}")
-    for file in plot_cases({name: run.folder for name, run in runs.items()}, output.expanduser() / "figures"):
+    output, runs = output.expanduser(), {}
+    for packing, void_ratio in (("dense", dense), ("loose", loose)):
+        for walls in ("smooth", "very-rough"):
+            scene = Scene(
+                sand=sands.sand(sand, void_ratio, law=LAW),
+                walls=model_silo.walls(walls, void_ratio),
+                grid=Mesh(cell_size_m=cell_size, shape=shape),
+                flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
+                method=Method(**method),
+                machine=Machine(threads=1),
+            )
+            runs[f"{packing}, {walls.replace('-', ' ')}"] = Run(scene, output / f"{packing}_{walls}", film)
+    run_all(runs, output)
+    for file in plot_cases({name: run.folder for name, run in runs.items()}, output / "figures"):
         print(file)
 
 

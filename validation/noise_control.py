@@ -15,17 +15,15 @@ from matplotlib.figure import Figure
 from typer import Option
 
 from taichi_silo import Flow, Machine, Mesh, Method, Scene, Walls
-from taichi_silo.analysis.theory.janssen import Janssen
 from taichi_silo.cli import command_line, flags
-from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
-from taichi_silo.runs.run_folder import writable
+from taichi_silo.runs.theories import janssen_of
 from taichi_silo.scene import sands
-from taichi_silo.scene.scene import cores
-from taichi_silo.show.figures.style import new_figure
-from taichi_silo.studies.sweep.runs import Run, simulate
+from taichi_silo.show.figures.style import BLUE, VERMILLION, new_figure
+from taichi_silo.studies.run_all import run_all
+from taichi_silo.studies.sweep.runs import Run
 
-COLORS = {"none": "#D55E00", "column": "#0072B2"}
+COLORS = {"none": VERMILLION, "column": BLUE}
 LABELS = {"none": "no control, as in the paper", "column": "drag towards the mean motion"}
 
 
@@ -55,10 +53,7 @@ def noise_control(
         )
         for name in ("none", "column")
     }
-    writable(output)
-    failures = simulate(runs, min(2, cores()), lambda words: print(words, flush=True))
-    for name, why in failures.items():
-        raise RunFailed(f"with noise control '{name}': {why}")
+    run_all(runs, output)
     figure = draw({name: pd.read_csv(run.folder / "forces.csv") for name, run in runs.items()}, runs["none"].scene)
     figure.savefig(output / "noise_control.png", dpi=150)
     print(output / "noise_control.png")
@@ -67,8 +62,7 @@ def noise_control(
 def draw(histories: dict[str, pd.DataFrame], scene: Scene) -> Figure:
     """N against time, filling and flow, with Janssen's value."""
     ratio = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio)
-    density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
-    theory = Janssen(scene.silo.width_m, scene.silo.height_m, density, scene.walls.friction_angle_deg, ratio)
+    theory = janssen_of(scene, scene.walls.friction_angle_deg, ratio)
     figure = new_figure(9.0, 4.6)
     axes = figure.subplots()
     for name, rows in histories.items():

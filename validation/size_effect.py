@@ -16,10 +16,9 @@ import pandas as pd
 from typer import Option
 
 from taichi_silo.cli import command_line, model_silo
-from taichi_silo.errors import RunFailed
-from taichi_silo.runs.run_folder import writable
-from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Sand, Scene, Silo, cores
-from taichi_silo.studies.sweep.runs import Run, simulate
+from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Sand, Scene, Silo
+from taichi_silo.studies.run_all import run_all
+from taichi_silo.studies.sweep.runs import Run
 
 MODEL_M, CELLS = 0.2, 40
 WAVES = 0.25  # their speed grows with this power of the size: stiffness with the root of the stress
@@ -47,15 +46,11 @@ def size_effect(
             flow=Flow(speed_m_per_s=speed * scale**WAVES, displacement_m=share * width),
             machine=Machine(threads=1),
         )
-        runs[width] = Run(scene, output / f"{walls}_{width:g}m")
-    missing = {f"{width:g} m": run for width, run in runs.items() if not run.finished}
-    writable(output)
-    failures = simulate(missing, cores(), lambda words: print(words, flush=True))
-    for name, why in failures.items():
-        raise RunFailed(f"in the silo of {name}: {why}")
+        runs[f"{width:g} m"] = Run(scene, output / f"{walls}_{width:g}m")
+    run_all(runs, output)
     rows = []
-    for width, run in runs.items():
-        found, weight = run.summary, run.scene.weight_N_per_m
+    for run in runs.values():
+        found, weight, width = run.summary, run.scene.weight_N_per_m, run.scene.silo.width_m
         unit = run.scene.density_kg_per_m3 * run.scene.method.gravity_m_per_s2 * width  # of nominal stress
         stress = found["largest_wall_normal_stress_Pa"]
         rows.append(

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from validation.stability.cell import cells_of
 from validation.stability.figures import matrix, number, order_figure, page, ratcheting_figure
+from validation.stability.measurement import measurements
 
 
 def rows():
     values = {"ugimp": 0.01, "a method with a long name, and more": 3.0, "lost one": math.nan}
-    return pd.DataFrame([cell.row() for cell in cells_of("1 mode", "an error", "-", "<=", 0.02, values)])
+    return pd.DataFrame([one.row("1 mode") for one in measurements("an error", "-", "<=", 0.02, values)])
 
 
 def test_the_table_has_the_promised_columns_and_no_nan():

@@ -1,1 +1,1 @@
-"""Accuracy against cost: dials, runs, errors, and the front of what is worth its cost."""
+"""Accuracy against cost: what is varied, runs, errors, and the Pareto front of what is worth its cost."""

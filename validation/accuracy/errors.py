@@ -1,13 +1,14 @@
-"""Errors of a point against the reference, and the scatter below which they mean nothing."""
+"""Errors of a run against the reference, the scatter below which they mean nothing, and the Pareto front."""
 
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 ERRORS = ("error_P", "error_T", "error_N", "error_profile", "error_zone")
 
 
-def relative_difference(values, reference) -> float:
+def relative_difference(values: ArrayLike, reference: ArrayLike) -> float:
     """Norm of the difference over the norm of the reference (L2 over equally spaced places) [-].
 
     Raises
@@ -23,7 +24,7 @@ def relative_difference(values, reference) -> float:
 
 
 def errors(found: dict, reference: dict) -> dict[str, float]:
-    """Of what `points.simulate` returns; nan where a run went wrong, or where there is nothing to compare.
+    """Errors of a run, as `parameter_set.simulate` returns it; nan where it failed, or there is nothing to compare.
 
     error_P, error_T, error_N
         `relative_difference` of the force over the bottom displacement, from 2 % of it (about one period of the column
@@ -51,3 +52,25 @@ def scatter(runs: list[dict]) -> dict[str, float]:
     pairs = [errors(one, other) for i, one in enumerate(runs) for other in runs[i + 1 :]]
     found = {name: [pair[name] for pair in pairs if math.isfinite(pair[name])] for name in ERRORS}
     return {name: max(values, default=math.nan) for name, values in found.items()}
+
+
+def pareto_front(cost: ArrayLike, error: ArrayLike) -> NDArray:
+    """Which runs are on the Pareto front: no other is as good in cost and error and better in one.
+
+    Parameters
+    ----------
+    cost, error : (n,) of each run; one with a nan is never on the front.
+
+    Returns
+    -------
+    (n,) booleans.
+
+    """
+    cost, error = np.asarray(cost, float), np.asarray(error, float)
+    sound = np.isfinite(cost) & np.isfinite(error)
+    chosen = np.zeros(len(cost), bool)
+    best = np.inf
+    for k in np.lexsort((error, cost)):  # by cost, equal costs by error
+        if sound[k] and (error[k] < best or (chosen & (cost == cost[k]) & (error == error[k])).any()):
+            chosen[k], best = True, error[k]
+    return chosen

@@ -1,4 +1,4 @@
-"""The three named settings, chosen from the front of error of N against cost."""
+"""The three named settings, chosen from the Pareto front of the error of N against cost."""
 
 from pathlib import Path
 
@@ -6,8 +6,8 @@ import pandas as pd
 import tomli_w
 
 from taichi_silo.scene.fidelity import Fidelity
-from validation.accuracy.errors import ERRORS
-from validation.accuracy.pareto_front import front
+from taichi_silo.utils import atomic_write
+from validation.accuracy.errors import ERRORS, pareto_front
 from validation.accuracy.plan import REFERENCE, ROUNDING
 
 PATHS = ("grid.cell_size_m", "flow.speed_m_per_s", "grid.points_per_cell")  # what a fidelity may set
@@ -29,7 +29,7 @@ def choose(rows: pd.DataFrame, floor: float) -> dict[str, Fidelity]:
     for path in rows.columns[rows.columns.get_loc("purpose") + 1 : rows.columns.get_loc("cost_core_seconds")]:
         if path not in PATHS:
             some = some[(some[path] == base[path]) | (some[path].isna() & pd.isna(base[path]))]
-    best = some[front(some.cost_core_seconds, some.error_N)].sort_values("cost_core_seconds")
+    best = some[pareto_front(some.cost_core_seconds, some.error_N)].sort_values("cost_core_seconds")
     if best.empty:
         return {}
     found = {}
@@ -43,7 +43,6 @@ def choose(rows: pd.DataFrame, floor: float) -> dict[str, Fidelity]:
 
 
 def write(found: dict[str, Fidelity], file: Path) -> None:
-    """As a file that `taichi_silo.fidelity` reads; in one piece or not at all."""
-    temporary = file.with_suffix(".part")
-    temporary.write_text(tomli_w.dumps({name: one.model_dump(exclude_none=True) for name, one in found.items()}))
-    temporary.replace(file)
+    """Leave a file that `taichi_silo.scene.fidelity` reads; in one piece or not at all."""
+    with atomic_write.written(file) as passing:
+        passing.write_text(tomli_w.dumps({name: one.model_dump(exclude_none=True) for name, one in found.items()}))

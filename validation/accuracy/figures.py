@@ -20,7 +20,7 @@ LEAST = 1e-4  # of errors, so that none falls off a logarithmic scale
 
 
 def error_figure(rows: pd.DataFrame, floor: pd.Series) -> Figure:
-    """Error of N against cost for every dial, with the front; small panels for what else is measured.
+    """Error of N against cost for everything varied, with the Pareto front; small panels for what else is measured.
 
     Parameters
     ----------
@@ -42,13 +42,13 @@ def error_figure(rows: pd.DataFrame, floor: pd.Series) -> Figure:
             continue
         size = 8 if panel is large else 4.5
         _floor(panel, floor.get(measure, math.nan))
-        for k, (_, dial) in enumerate(some.groupby("dial", sort=False)):
-            _dial(panel, dial, measure, k, size)
+        for k, (_, varied) in enumerate(some.groupby("dial", sort=False)):
+            _curve(panel, varied, measure, k, size)
         panel.set(xscale="log", yscale="log", ylim=_limits(some[measure]))
     best = some[some.on_front].drop_duplicates("key").sort_values("cost_core_seconds")
     large.plot(
-        best.cost_core_seconds, best.error_N.clip(LEAST), "-", color=BLACK, linewidth=6, alpha=0.18, label="front",
-        drawstyle="steps-post", zorder=1,
+        best.cost_core_seconds, best.error_N.clip(LEAST), "-", color=BLACK, linewidth=6, alpha=0.18,
+        label="Pareto front", drawstyle="steps-post", zorder=1,
     )  # fmt: skip
     for panel, title in zip(panels, SMALL.values(), strict=True):
         panel.set_title(title, fontsize=10.5, loc="left")
@@ -56,7 +56,7 @@ def error_figure(rows: pd.DataFrame, floor: pd.Series) -> Figure:
     large.set(xlabel="cost (core-seconds)", ylabel="error of N over u (-)")
     for panel in panels[2:]:
         panel.set_xlabel("core-seconds", fontsize=9.5)
-    large.set_title(f"Dense sand between {walls} walls, one dial at a time (circled: the base)", loc="left")
+    large.set_title(f"Dense sand between {walls} walls, one setting at a time (circled: the base)", loc="left")
     figure.suptitle(
         f"Errors against {reference}; shaded: less than what rounding alone makes of a run", fontsize=11, x=0.01,
         ha="left", color=REFERENCE,
@@ -70,7 +70,8 @@ def error_figure(rows: pd.DataFrame, floor: pd.Series) -> Figure:
     return figure
 
 
-def _dial(panel, rows: pd.DataFrame, measure: str, number: int, size: float) -> None:
+def _curve(panel, rows: pd.DataFrame, measure: str, number: int, size: float) -> None:
+    """Errors of one varied setting, joined by a line where its values are numbers."""
     rows = rows[rows[measure].notna()].sort_values("cost_core_seconds")
     line = "-" if rows.setting.str.fullmatch(r"[\d.e+-]+( \S+)?").all() else ""  # numbers follow each other
     panel.plot(
@@ -87,6 +88,7 @@ def _limits(errors: pd.Series) -> tuple[float, float]:
 
 
 def _floor(panel, height: float) -> None:
+    """Shade the errors that rounding alone makes."""
     if math.isfinite(height) and height > 0.0:
         panel.axhspan(LEAST / 10.0, height, color=FLOOR, linewidth=0, zorder=0)
 

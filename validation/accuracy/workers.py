@@ -1,17 +1,18 @@
-"""Runs the points of a chart, each in a process of its own, and says how far it is."""
+"""Runs the parameter sets of a chart, each in a process of its own, and says how far it is."""
 
 import json
 import statistics
+from collections.abc import Callable
 from pathlib import Path
 
-from taichi_silo.runs.cost_estimate import START_S, Cost, at_pace, rehearse
+from taichi_silo.runs.cost_estimate import START_S, at_pace, rehearse
 from taichi_silo.simulation.simulation import Simulation
 from taichi_silo.utils.process_pool import Processes, Task
-from validation.accuracy.points import Point, kept
+from validation.accuracy.parameter_set import ParameterSet, kept
 
 
-def pace(found: dict[str, dict], base: Point) -> float:
-    """Seconds of a point and step on one core: median of the finished points, or of a rehearsal of the base.
+def pace(found: dict[str, dict], base: ParameterSet) -> float:
+    """Seconds of a point and step on one core: median of the finished runs, or of a rehearsal of the base.
 
     Taichi has been started.
     """
@@ -21,51 +22,58 @@ def pace(found: dict[str, dict], base: Point) -> float:
     return rehearse(Simulation(base.scene)) / base.scene.points
 
 
-def expected(points: dict[str, Point], seconds: float) -> dict[str, Cost]:
-    """Of each point, before it starts: its number of steps, at a pace in seconds a point and step."""
-    return {key: at_pace(one.scene, seconds) for key, one in points.items()}
+def run_missing(
+    wanted: dict[str, ParameterSet],
+    names: dict[str, str],
+    seconds_per_point_and_step: float,
+    folder: Path,
+    jobs: int,
+    say: Callable[[str], None] = print,
+) -> dict[str, str]:
+    """Run the parameter sets that have no file in a folder yet, the longest first; the folder is there.
 
+    Parameters
+    ----------
+    wanted, names : parameter sets and what to call them, by key.
+    seconds_per_point_and_step : of one core, from which the expected costs follow.
+    folder : of the files, one a run, so that a restart goes on where it was.
+    jobs : processes at a time.
+    say : hears a sentence when a run starts, with its expected cost, and when it ends, with the time left.
 
-class Workers:
-    """As many processes at a time as `jobs`; finished points are kept in `folder`, so that a restart goes on.
+    Returns
+    -------
+    Why, by key, for those that left no file.
 
-    `say` hears a sentence when a point starts, with its expected cost, and when it ends, with the time left.
     """
-
-    def __init__(self, folder: Path, jobs: int, say=print):
-        self.folder, self.say, self.processes = folder, say, Processes(jobs, say)
-
-    def run(self, points: dict[str, Point], names: dict[str, str], costs: dict[str, Cost]) -> dict[str, str]:
-        """Run what has no file yet, the longest first; returns why, by key, for those that left none."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        missing = {key: one for key, one in points.items() if kept(one, self.folder) is None}
-        keys = {}
-        for key in missing:  # several points may be told by one name
-            keys[names[key] if names[key] not in keys else f"{names[key]} ({key})"] = key
-        tasks = [
-            Task(
-                name=name,
-                program=("validation.accuracy.points", str(self.folder)),
-                line=missing[key].model_dump_json(),
-                environment={"TAICHI_SILO_PRECISION": missing[key].precision},
-                seconds=costs[key].core_seconds + START_S,
+    tasks, keys = [], {}
+    for key, one in wanted.items():
+        if kept(one, folder) is None:
+            name = names[key] if names[key] not in keys else f"{names[key]} ({key})"  # several may share a name
+            keys[name] = key
+            cost = at_pace(one.scene, seconds_per_point_and_step)
+            tasks.append(
+                Task(
+                    name=name,
+                    program=("validation.accuracy.parameter_set", str(folder)),
+                    line=one.model_dump_json(),
+                    environment={"TAICHI_SILO_PRECISION": one.precision},
+                    seconds=cost.core_seconds + START_S,
+                )
             )
-            for name, key in keys.items()
-        ]
 
-        def ended(task: Task, trouble: str) -> str:
-            run = kept(missing[keys[task.name]], self.folder)
-            return trouble or f"{run['cost']['core_seconds']:.3g} core-seconds"
-
-        troubles = self.processes.run(tasks, self._told, ended)
-        return {keys[name]: why for name, why in troubles.items()}
-
-    def _told(self, task: Task, line: str) -> float | None:
-        """Hand on what a point expects to cost."""
+    def heard(task: Task, line: str) -> float | None:
+        """Hand on what a run expects to cost."""
         try:
             cost = json.loads(line)
             words = f"{cost['steps']:,} steps, about {cost['core_seconds']:.3g} core-seconds"
         except (ValueError, KeyError, TypeError):
             return None
-        self.say(f"         {task.name:60s} {words}")
+        say(f"         {task.name:60s} {words}")
         return 0.0
+
+    def ended(task: Task, trouble: str) -> str:
+        run = kept(wanted[keys[task.name]], folder)
+        return trouble or f"{run['cost']['core_seconds']:.3g} core-seconds"
+
+    troubles = Processes(jobs, say).run(tasks, heard, ended)
+    return {keys[name]: why for name, why in troubles.items()}

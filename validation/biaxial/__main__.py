@@ -12,8 +12,6 @@ deg to the horizontal (Roscoe), and softening towards the 29.9 deg of a specimen
 """
 
 import json
-import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -21,14 +19,15 @@ import pandas as pd
 from typer import Option
 
 from taichi_silo.cli import command_line, flags
-from taichi_silo.errors import BadInput
+from taichi_silo.errors import BadInput, RunFailed
 from taichi_silo.mpm import runtime
 from taichi_silo.runs.run_folder import free_name
 from taichi_silo.scene import sands
-from taichi_silo.scene.scene import Averaging, Machine, cores
+from taichi_silo.scene.scene import Averaging, Machine
 from validation.biaxial.run import leave, summary_of
 from validation.biaxial.scene import BiaxialScene
 from validation.biaxial.studies import STUDIES, cost, differences, draw_study, table_of
+from validation.in_parallel import in_parallel
 
 
 def plane_strain_compression(
@@ -82,16 +81,10 @@ def run_studies(names: list[str], folder: Path) -> None:
         for label, changes in STUDIES[name].cases.items():
             case = STUDIES[name].scene(changes)
             cases.setdefault(STUDIES[name].folder(folder, label), case)
-    begun = time.monotonic()
-    # the longest first, so that no core waits for it at the end
-    order = sorted(cases, key=lambda place: -cost(cases[place]))
-    whole, done = sum(cost(case) for case in cases.values()), 0.0
-    with ProcessPoolExecutor(max(1, min(len(order), cores()))) as workers:
-        jobs = {workers.submit(_case, cases[place], place): place for place in order}
-        for job in as_completed(jobs):
-            done += cost(cases[jobs[job]])
-            left = (time.monotonic() - begun) * (whole - done) / done
-            print(f"{100 * done / whole:5.1f} %  {job.result():60s} {left / 60:5.1f} min left", flush=True)
+    costs = {place.name: cost(case) for place, case in cases.items()}
+    failures = in_parallel(_case, {place.name: (case, place) for place, case in cases.items()}, costs)
+    for name, why in failures.items():
+        raise RunFailed(f"in {len(failures)} of {len(cases)} cases, the first being {name}: {why}")
     for name in names:
         for file in draw_study(name, folder):
             print(file)
@@ -105,11 +98,12 @@ def run_studies(names: list[str], folder: Path) -> None:
 
 
 def _case(scene: BiaxialScene, place: Path) -> str:
+    """Run one case, unless it is there; says so, or why it cannot be run."""
     try:
         leave(scene, place, overwrite=True, keep=True)
     except BadInput as error:
-        return f"{place.name}: {error}"
-    return place.name
+        return str(error)
+    return "done"
 
 
 if __name__ == "__main__":

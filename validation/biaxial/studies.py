@@ -18,8 +18,8 @@ from validation.biaxial.scene import BiaxialScene
 
 
 @dataclass(frozen=True)
-class Study:
-    """Cases of one figure: label -> what differs from the usual scene, as dotted names."""
+class BiaxialStudy:
+    """Cases of one figure: what differs from the usual scene, by dotted path, for each label."""
 
     title: str
     cases: dict[str, dict]
@@ -59,7 +59,7 @@ def cost(scene: BiaxialScene) -> float:
 
 LENGTHS = (0.0, 1.5e-3, 1.75e-3, 2e-3, 2.5e-3, 3e-3, 4e-3)
 STUDIES = {
-    "time-step": Study(
+    "time-step": BiaxialStudy(
         "time step, 24 x 84 points",
         {
             "from the stiffness": {"points_across": 24},
@@ -67,12 +67,12 @@ STUDIES = {
             **{f"{1e6 * dt:g} us": {"points_across": 24, "time_step_s": dt} for dt in (4e-6, 6e-6)},
         },
     ),
-    "points": Study(
+    "points": BiaxialStudy(
         "number of points, $l_c$ = 1.5 mm",
         {f"{n} x {round(3.5 * n)}": {} if n == 32 else {"points_across": n} for n in (16, 24, 32, 40, 48)},
         {"24 x 84": {"phi_peak": 55.0, "t_s_mm": 7.5, "theta": 55.0}},
     ),
-    "points-local": Study(
+    "points-local": BiaxialStudy(
         "number of points, local law",
         {
             f"{n} x {round(3.5 * n)}": {"averaging.characteristic_length_m": 0.0}
@@ -80,23 +80,23 @@ STUDIES = {
             for n in (16, 24, 32, 40, 48)
         },
     ),
-    "points-per-cell": Study(
+    "points-per-cell": BiaxialStudy(
         "points per cell, 32 x 112 points",
         {"4 points a cell": {}, "1 point a cell": {"points_per_cell": 1}},
     ),
-    "length": Study(
+    "length": BiaxialStudy(
         "characteristic length, 32 x 112 points",
         {f"{1e3 * l:g} mm": {} if l == 1.5e-3 else {"averaging.characteristic_length_m": l} for l in LENGTHS},  # noqa: E741
         {"1.5 mm": {"phi_peak": 55.0, "t_s_mm": 7.5, "theta": 55.0}, "4 mm": {"phi_peak": 60.0}},
     ),
-    "weight": Study(
+    "weight": BiaxialStudy(
         "weight function, $l_c$ = 1.5 mm, 24 x 84 points",
         {
             "Gaussian": {"points_across": 24},
             "exponential, as printed": {"points_across": 24, "averaging.weight": "exponential"},
         },
     ),
-    "pressure": Study(
+    "pressure": BiaxialStudy(
         "pressure",
         {f"{p:g} kPa": {} if p == 50 else {"pressure_Pa": 1e3 * p} for p in (50.0, 200.0, 500.0)},
         {
@@ -105,7 +105,7 @@ STUDIES = {
             "500 kPa": {"phi_peak": 47.0, "t_s_mm": 11.0, "theta": 52.0},
         },
     ),
-    "void-ratio": Study(
+    "void-ratio": BiaxialStudy(
         "void ratio",
         {f"e0 = {e:.2f}": {} if e == 0.55 else {"sand.void_ratio": e} for e in (0.55, 0.75, 0.90)},
         {
@@ -114,7 +114,7 @@ STUDIES = {
             "e0 = 0.90": {"phi_peak": 30.0},
         },
     ),
-    "rate": Study(
+    "rate": BiaxialStudy(
         "speed of the plate and noise control",
         {
             "100 mm/s": {"speed_m_per_s": 0.1},
@@ -125,7 +125,7 @@ STUDIES = {
             "25 mm/s, no control": {"noise_control": "none", "speed_m_per_s": 0.025},
         },
     ),
-    "weak-height": Study(
+    "weak-height": BiaxialStudy(
         "height of the weak element",
         {f"{x:.2f} of the height": {} if x == 0.55 else {"weak_height": x} for x in (0.45, 0.50, 0.55, 0.60)},
     ),

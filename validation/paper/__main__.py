@@ -15,9 +15,8 @@ from typer import Option
 
 from taichi_silo.cli import command_line
 from taichi_silo.errors import BadInput, RunFailed
-from taichi_silo.runs.run_folder import writable
-from taichi_silo.scene.scene import cores
-from taichi_silo.studies.sweep.runs import Run, simulate
+from taichi_silo.studies.run_all import run_all
+from taichi_silo.studies.sweep.runs import Run
 from validation.paper import check
 from validation.paper.cases import CASES
 from validation.paper.figures import plot_paper
@@ -37,11 +36,11 @@ def paper(
     runs = {name: Run(scene, output / name, film) for name, scene in scenes(cell_size, speed).items() if only in name}
     if not runs:
         raise BadInput(f"only is {only!r}; it must be part of a case's name, such as {next(iter(CASES))}")
-    missing = {name: run for name, run in runs.items() if not run.finished}
-    for name in (name for name in runs if name not in missing):
-        print(f"{name} kept", flush=True)
-    writable(output)
-    failures = simulate(missing, cores(), lambda words: print(words, flush=True))
+    failed = None
+    try:
+        run_all(runs, output)
+    except RunFailed as error:  # what is there is drawn and judged all the same
+        failed = error
     for file in plot_paper(output, output / "figures"):
         print(file)
     lines = pd.DataFrame([{"case": name, **one_line(run.summary)} for name, run in runs.items()])
@@ -51,9 +50,8 @@ def paper(
     check.write(table, output)
     print("; ".join(f"{word}: {count}" for word, count in check.count(table).items()))
     print(output / "table.md")
-    if failures:
-        name, why = next(iter(failures.items()))
-        raise RunFailed(f"in {len(failures)} cases, the first of them {name}: {why}")
+    if failed is not None:
+        raise failed
 
 
 if __name__ == "__main__":

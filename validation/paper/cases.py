@@ -9,7 +9,7 @@ WALLS = ("smooth", "very-rough")
 
 
 @dataclass(frozen=True)
-class Outlet:
+class Opening:
     """The part of the floor that sinks: from `left_m` over `width_m`, counted from the left wall [m]."""
 
     left_m: float
@@ -18,12 +18,12 @@ class Outlet:
 
     @property
     def whole(self) -> bool:
-        """Whether the whole bottom sinks (section 6)."""
+        """Whether it is the whole bottom (section 6)."""
         return self.width_m >= self.silo_width_m
 
     @property
     def right_m(self) -> float:
-        """Its right end [m]."""
+        """Right end [m]."""
         return self.left_m + self.width_m
 
     @property
@@ -33,10 +33,10 @@ class Outlet:
 
 
 OUTLETS = {
-    "bottom": Outlet(0.0, 0.2),  # section 6
-    "centre-80": Outlet(0.06, 0.08),  # section 7, case 1
-    "right-150": Outlet(0.05, 0.15),  # section 7, case 2: next to the right wall
-    "right-50": Outlet(0.15, 0.05),
+    "bottom": Opening(0.0, 0.2),  # section 6
+    "centre-80": Opening(0.06, 0.08),  # section 7, case 1
+    "right-150": Opening(0.05, 0.15),  # section 7, case 2: next to the right wall
+    "right-50": Opening(0.15, 0.05),
 }
 
 
@@ -46,16 +46,13 @@ class Case:
 
     Attributes
     ----------
-    name : str
-        `{dense|loose}_{smooth|very-rough}_{outlet}`, with `gravity_` before it where the sand falls freely.
-    sand, walls, outlet : str
-        Words of the name.
-    gravity : bool
-        True: the outlet is open and gravity alone drives the sand. False: the outlet is controlled, the sand leaves
-        through it at a prescribed speed while floor and grid stand still; the sand below the floor (y < 0) is taken
-        away. With the outlet `bottom` the whole floor sinks.
-    silo_width_m, silo_height_m, displacement_m : float
-        Of the silo, and how far the bottom or the outlet sinks [m].
+    name : `{dense|loose}_{smooth|very-rough}_{outlet}`, with `gravity_` before it where the sand falls freely.
+    sand, walls, outlet : words of the name.
+    gravity : whether the outlet is open and gravity alone drives the sand. Else the sand leaves through it at a
+        prescribed speed while floor and grid stand still, and what is below the floor (y < 0) is taken away; with the
+        outlet `bottom` the whole floor sinks.
+    silo_width_m, silo_height_m, displacement_m : of the silo, and how far the bottom or the outlet sinks [m].
+
     """
 
     name: str
@@ -78,7 +75,7 @@ class Case:
         return SMOOTH_ANGLE_DEG[self.sand] if self.walls == "smooth" else None
 
     @property
-    def opening(self) -> Outlet:
+    def opening(self) -> Opening:
         """Where the sand leaves."""
         return OUTLETS[self.outlet]
 
@@ -97,6 +94,7 @@ class Case:
 
 
 def _all() -> dict[str, Case]:
+    """All 17 by name: four mass flows, twelve controlled outflows, one free outflow."""
     found = {}
     for outlet in OUTLETS:
         for sand in VOID_RATIO:

@@ -5,27 +5,27 @@ from pathlib import Path
 from taichi_silo.show.figures import plot_cases
 from validation.paper.cases import CASES
 
-FIGURES = {  # the paper's numbers, and the cases of each
-    "figures_10-13_mass_flow": [name for name, case in CASES.items() if case.outlet == "bottom"],
-    "figures_14-15_dense_very-rough": ["dense", "very-rough"],
-    "figures_16-17_dense_smooth": ["dense", "smooth"],
-    "figures_18-19_loose_very-rough": ["loose", "very-rough"],
-    "figures_20-21_loose_smooth": ["loose", "smooth"],
+FIGURES = {  # named by the paper's numbers; the cases of each
+    "figures_10-13_mass_flow": [name for name, case in CASES.items() if case.opening.whole],
+    **{
+        f"figures_{numbers}_{sand}_{walls}": [
+            name
+            for name, case in CASES.items()
+            if (case.sand, case.walls) == (sand, walls) and not case.opening.whole and not case.gravity
+        ]
+        for numbers, sand, walls in (
+            ("14-15", "dense", "very-rough"), ("16-17", "dense", "smooth"),
+            ("18-19", "loose", "very-rough"), ("20-21", "loose", "smooth"),
+        )
+    },
     "figure_22_gravity": [name for name, case in CASES.items() if case.gravity],
-}
+}  # fmt: skip
 
 
 def plot_paper(folder: Path, target: Path) -> list[Path]:
-    """Draw those for which runs are in the folder; returns the files."""
+    """Draw the figures for which there are runs in the folder; returns the files."""
     written = []
     for figure, cases in FIGURES.items():
-        if cases[0] in ("dense", "loose"):
-            sand, walls = cases
-            cases = [
-                name
-                for name, case in CASES.items()
-                if (case.sand, case.walls) == (sand, walls) and case.outlet != "bottom" and not case.gravity
-            ]
         there = {_label(name): folder / name for name in cases if (folder / name / "forces.csv").exists()}
         if there:
             written += plot_cases(there, target / figure)

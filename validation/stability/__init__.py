@@ -1,7 +1,7 @@
 """Where each variant of the method fails: one file a failure mode.
 
-Each has `MODE`, its name, and `cells(full)`, its rows of the map; some also `data(full)`, what a figure is drawn from,
-and `cells_from(data)`.
+Each has `FAILURE_MODE`, its number and name, and `measure(full)`, its rows of the map; some also `curves(full)`, what a
+figure is drawn from, and `judge(curves)`, the rows that follow from them.
 """
 
 from importlib import import_module
@@ -13,10 +13,9 @@ MODES = {
 }  # fmt: skip
 
 
-def measure(name: str, full: bool = True) -> tuple[list, dict | None]:
-    """Cells of a failure mode, and the data of its figure if it has one; Taichi has been started."""
+def measured(name: str, full: bool = True) -> tuple[str, list, dict | None]:
+    """A failure mode's name, its measurements, and the curves of its figure if it has one; Taichi has been started."""
     module = import_module(f"validation.stability.{name}")
-    if hasattr(module, "data"):
-        data = module.data(full)
-        return module.cells_from(data), data
-    return module.cells(full), None
+    curves = module.curves(full) if hasattr(module, "curves") else None
+    found = module.measure(full) if curves is None else module.judge(curves)
+    return module.FAILURE_MODE, found, curves

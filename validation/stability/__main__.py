@@ -12,8 +12,6 @@ Cost: about fifteen minutes on two cores.
 """
 
 import json
-import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Annotated
 
@@ -24,9 +22,10 @@ from typer import Option
 from taichi_silo.cli import command_line
 from taichi_silo.errors import BadInput, RunFailed
 from taichi_silo.mpm import runtime
-from taichi_silo.scene.scene import cores
 from taichi_silo.show.figures.style import STYLE
-from validation.stability import MODES, measure
+from taichi_silo.utils import atomic_write
+from validation.in_parallel import in_parallel
+from validation.stability import MODES, measured
 from validation.stability.figures import matrix, order_figure, page, ratcheting_figure
 
 FIGURES = {"order": order_figure, "ratcheting": ratcheting_figure}
@@ -46,34 +45,21 @@ def stability(
     parts = output / ("quick" if quick else "modes")
     parts.mkdir(parents=True, exist_ok=True)
     wanted = [name for name in names if overwrite or not (parts / f"{name}.csv").exists()]
-    wanted.sort(key=lambda name: -MODES[name])  # the longest first, so that no core waits for it at the end
-    lost = []
-    begun, done, whole = time.monotonic(), 0.0, sum(MODES[name] for name in wanted)
-    with ProcessPoolExecutor(max(1, min(len(wanted), cores())), max_tasks_per_child=1) as workers:
-        jobs = {workers.submit(leave, name, not quick, parts): name for name in wanted}
-        for job in as_completed(jobs):
-            name = jobs[job]
-            done += MODES[name]
-            left = (time.monotonic() - begun) * (whole - done) / done
-            if job.exception() is not None:
-                lost.append(f"{name}: {job.exception()}")
-            words = lost[-1] if job.exception() else job.result()
-            print(f"{100 * done / whole:5.1f} %  {name:14s} {words:32s} {left / 60:5.1f} min left", flush=True)
+    lost = in_parallel(leave, {name: (name, not quick, parts) for name in wanted}, MODES)
     draw(output, parts)
-    if lost:
-        raise RunFailed(f"in {len(lost)} of {len(wanted)} modes, the first being {lost[0]}")
+    for name, why in lost.items():
+        raise RunFailed(f"in {len(lost)} of {len(wanted)} modes, the first being {name}: {why}")
 
 
 def leave(name: str, full: bool, parts: Path) -> str:
-    """Measure a mode and leave its rows and data; says how many cells hold."""
+    """Measure a mode and leave its rows and curves; says how many numbers hold."""
     runtime.init()
-    cells, data = measure(name, full)
-    if data is not None:
-        (parts / f"{name}.json").write_text(json.dumps(data))
-    temporary = parts / f"{name}.csv.part"
-    pd.DataFrame([cell.row() for cell in cells]).to_csv(temporary, index=False, float_format="%.6g")
-    temporary.replace(parts / f"{name}.csv")
-    return f"{sum(cell.holds for cell in cells)} of {len(cells)} cells hold"
+    failure_mode, found, curves = measured(name, full)
+    if curves is not None:
+        (parts / f"{name}.json").write_text(json.dumps(curves))
+    with atomic_write.written(parts / f"{name}.csv") as passing:
+        pd.DataFrame([one.row(failure_mode) for one in found]).to_csv(passing, index=False, float_format="%.6g")
+    return f"{sum(one.holds for one in found)} of {len(found)} hold"
 
 
 def draw(output: Path, parts: Path) -> None:

@@ -9,9 +9,9 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.velocity_transfer import TRANSFERS
 from validation.stability.bodies import block, change, solver
-from validation.stability.cell import Cell, cells_of
+from validation.stability.measurement import Measurement, measurements
 
-MODE = "11 conservation"
+FAILURE_MODE = "11 conservation"
 CELL, CELLS, DENSITY = 0.01, 6, 1500.0
 LAW = Elastic(1e6, 0.0)
 SPEED = math.sqrt(LAW.young_modulus_Pa / DENSITY)
@@ -90,7 +90,7 @@ def drifts(transfer="flip", update="last", shape="ugimp", steps: int = 100_000) 
     }
 
 
-def cells(full: bool = True) -> list[Cell]:
+def measure(full: bool = True) -> list[Measurement]:
     """Each transfer with uGIMP; the stress updates; each shape with FLIP."""
     steps = 100_000 if full else 5_000
     cases = {name: {"transfer": name} for name in TRANSFERS}
@@ -100,7 +100,7 @@ def cells(full: bool = True) -> list[Cell]:
     found = {name: drifts(steps=steps, **options) for name, options in cases.items()}
     pick = lambda measure: {name: values[measure] for name, values in found.items()}  # noqa: E731
     return [
-        *cells_of(MODE, "change of linear momentum", "of its size", "<=", 1e-6, pick("linear")),
-        *cells_of(MODE, "change of angular momentum, 3/4 of a turn", "of its size", "<=", 0.01, pick("angular")),
-        *cells_of(MODE, f"change of the energy of a swing, {steps:,} steps", "of its start", "<=", 0.1, pick("energy")),
+        *measurements("change of linear momentum", "of its size", "<=", 1e-6, pick("linear")),
+        *measurements("change of angular momentum, 3/4 of a turn", "of its size", "<=", 0.01, pick("angular")),
+        *measurements(f"change of the energy of a swing, {steps:,} steps", "of its start", "<=", 0.1, pick("energy")),
     ]

@@ -12,9 +12,9 @@ from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.mpm.walls import Coulomb, PlaneWall
 from validation.stability.bodies import block, solver
-from validation.stability.cell import Cell, cells_of
+from validation.stability.measurement import Measurement, measurements
 
-MODE = "1 cell crossing"
+FAILURE_MODE = "1 cell crossing"
 G, HEIGHT, WIDTH, DENSITY = 9.81, 1.0, 0.1, 1500.0
 MOST_ERROR = 0.02  # of the largest stress
 
@@ -63,19 +63,19 @@ def column_stress_error(shape, cells: int = 20, per_axis: int = 2, sinking: floa
     return float(np.sqrt((error**2).mean())) / (DENSITY * G * HEIGHT), float(sunk / cell)
 
 
-def cells(full: bool = True) -> list[Cell]:
+def measure(full: bool = True) -> list[Measurement]:
     """Every shape with four points a cell (and one and nine), and linear shapes and uGIMP with filters."""
     found = []
     for number in (4, 1, 9) if full else (4,):
         per_axis = math.isqrt(number)
         words = f"stress error, {number} point{'s' if number > 1 else ''} a cell"
         errors = {name: column_stress_error(kind(0.5 / per_axis), 20, per_axis)[0] for name, kind in SHAPES.items()}
-        found += cells_of(MODE, words, "of the largest", "<=", MOST_ERROR, errors)
+        found += measurements(words, "of the largest", "<=", MOST_ERROR, errors)
     for name in ("linear", "ugimp") if full else ("ugimp",):
         shape = SHAPES[name](0.25)
         errors = {
             f"{name} + {word} filter": column_stress_error(shape, filtering=FILTERS[word])[0]
             for word in ("null-space", "smoothing")
         }
-        found += cells_of(MODE, "stress error, 4 points a cell", "of the largest", "<=", MOST_ERROR, errors)
+        found += measurements("stress error, 4 points a cell", "of the largest", "<=", MOST_ERROR, errors)
     return found

@@ -6,9 +6,9 @@ import taichi as ti
 from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.mpm.laws.stress_point import StressPoint
 from taichi_silo.mpm.tensors import added, norm
-from validation.stability.cell import Cell, cells_of
+from validation.stability.measurement import Measurement, measurements
 
-MODE = "6 stress integration"
+FAILURE_MODE = "6 stress integration"
 STATES = 200
 INCREMENTS = 10.0 ** np.arange(-5.0, -0.9, 0.25)  # of strain
 PRESSURES = (0.5e3, 5e3)  # [Pa]
@@ -71,7 +71,7 @@ def largest_safe_increment(integrator: str, law, fails) -> float:
     return safe
 
 
-def cells(full: bool = True) -> list[Cell]:
+def measure(full: bool = True) -> list[Measurement]:
     """Euler's rule and the sub-stepped law: where they leave the admissible set, and where they are 1 % wrong."""
     law = GudehusBauer()
 
@@ -84,8 +84,8 @@ def cells(full: bool = True) -> list[Cell]:
 
     names = {"euler": "Euler's rule", "law": "sub-stepped law"}
     safe = {word: largest_safe_increment(name, law, leaves) for name, word in names.items()}
-    found = cells_of(MODE, "strain increment with admissible stress", "-", ">=", 0.1, safe)
+    found = measurements("strain increment with admissible stress", "-", ">=", 0.1, safe)
     if full:
         near = {word: largest_safe_increment(name, law, errs) for name, word in names.items()}
-        found += cells_of(MODE, "strain increment with error below 1 %", "-", ">=", 1e-2, near)
+        found += measurements("strain increment with error below 1 %", "-", ">=", 1e-2, near)
     return found

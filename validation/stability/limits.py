@@ -11,10 +11,10 @@ from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.mpm.walls import Coulomb, PlaneWall
 from validation.stability.bodies import block, change, solver
-from validation.stability.cell import Cell, cells_of
 from validation.stability.integration import after, inadmissible
+from validation.stability.measurement import Measurement, measurements
 
-MODE = "7 limits of the law"
+FAILURE_MODE = "7 limits of the law"
 LAW = GudehusBauer()
 UP, SIDE, TURN = (0.0, 1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 EDGES = {  # stress p [Pa], void ratio, direction of strain
@@ -92,12 +92,12 @@ def drop(shape_name: str = "ugimp", height: float = 0.05) -> dict[str, float]:
     }  # fmt: skip
 
 
-def cells(full: bool = True) -> list[Cell]:
+def measure(full: bool = True) -> list[Measurement]:
     """States beyond each edge of the law, with its guards and without; a block that falls and lands."""
     found = []
     for words, (p, e, direction) in EDGES.items():
         bad = {"law": bad_states(p, e, direction), "Euler's rule, unguarded": bad_states(p, e, direction, "euler")}
-        found += cells_of(MODE, f"bad states {words}", f"of {PARTS}", "<=", 0, bad)
+        found += measurements(f"bad states {words}", f"of {PARTS}", "<=", 0, bad)
     shapes = SHAPES if full else ("ugimp",)
     drops = {name: drop(name) for name in shapes}
     for measure, words, relation, bound in (
@@ -106,5 +106,5 @@ def cells(full: bool = True) -> list[Cell]:
         ("floor", "floor's force on landed sand over its weight", ">=", 0.99),
         ("floor", "floor's force on landed sand over its weight ", "<=", 1.01),
     ):
-        found += cells_of(MODE, words, "-", relation, bound, {name: d[measure] for name, d in drops.items()})
+        found += measurements(words, "-", relation, bound, {name: d[measure] for name, d in drops.items()})
     return found

@@ -11,9 +11,9 @@ from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.velocity_transfer import TRANSFERS, Flip
 from taichi_silo.mpm.walls import Frictionless, PlaneWall
 from validation.stability.bodies import block, change, solver
-from validation.stability.cell import Cell, cells_of
+from validation.stability.measurement import Measurement, measurements
 
-MODE = "12 order of accuracy"
+FAILURE_MODE = "12 order of accuracy"
 DENSITY = 1000.0
 LAW = Elastic(1e4, 0.0)
 SPEED = math.sqrt(LAW.young_modulus_Pa / DENSITY)
@@ -117,7 +117,7 @@ def slope(errors: dict[int, float]) -> float:
     return math.log(errors[first] / errors[last]) / math.log(last / first)
 
 
-def data(full: bool = True) -> dict[str, dict[str, dict[int, float]]]:
+def curves(full: bool = True) -> dict[str, dict[str, dict[int, float]]]:
     """Errors by solution, method and number of cells."""
     fine, wide = ((8, 16, 32, 64), (12, 24, 48)) if full else ((8, 32), (16, 32))
     names = SHAPES if full else ("linear", "ugimp", "cpdi")
@@ -136,19 +136,14 @@ def data(full: bool = True) -> dict[str, dict[str, dict[int, float]]]:
     return found
 
 
-def cells(full: bool = True) -> list[Cell]:
+def judge(found: dict) -> list[Measurement]:
     """Slopes, and the errors on the finest grid."""
-    return cells_from(data(full))
-
-
-def cells_from(found: dict) -> list[Cell]:
-    """The rows of the map."""
     rows = []
     for solution, methods in found.items():
         if methods:
             slopes = {name: slope(errors) for name, errors in methods.items()}
             last = {name: errors[max(errors)] for name, errors in methods.items()}
             finest = max(next(iter(methods.values())))
-            rows += cells_of(MODE, f"order of accuracy, {solution}", "-", ">=", 0.8, slopes)
-            rows += cells_of(MODE, f"error with {finest} cells, {solution}", "of the motion", "<=", 0.02, last)
+            rows += measurements(f"order of accuracy, {solution}", "-", ">=", 0.8, slopes)
+            rows += measurements(f"error with {finest} cells, {solution}", "of the motion", "<=", 0.02, last)
     return rows

@@ -13,9 +13,9 @@ import numpy as np
 from taichi_silo.mpm import runtime
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import Simulation
-from validation.stability.cell import Cell, cells_of
+from validation.stability.measurement import Measurement, measurements
 
-MODE = "10 precision"
+FAILURE_MODE = "10 precision"
 SPEEDS = (0.1, 0.01, 0.001, 0.0001)  # of the bottom [m/s]
 DISPLACEMENT_M = 2e-4
 PRECISIONS = ("f64", "mixed", "f32")
@@ -57,7 +57,7 @@ def measured(precision: str, speeds=SPEEDS) -> list[dict[str, float]]:
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def cells(full: bool = True) -> list[Cell]:
+def measure(full: bool = True) -> list[Measurement]:
     """Each precision at each speed: N against f64, drift of the void ratio, travel of the points."""
     speeds = SPEEDS if full else (0.01,)
     found = []
@@ -72,7 +72,7 @@ def cells(full: bool = True) -> list[Cell]:
             values = {name: error(rows[name][number], exact) for name in PRECISIONS}
             words_at = f"difference from f64: {words}, bottom at {1e3 * speed:g} mm/s"
             unit = "of its own" if measure != "void_ratio" else "-"
-            found += cells_of(MODE, words_at, unit, "<=", bound, values)
+            found += measurements(words_at, unit, "<=", bound, values)
     return found
 
 

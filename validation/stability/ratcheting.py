@@ -4,15 +4,15 @@ import math
 
 import numpy as np
 
-from taichi_silo.analysis.theory.janssen import Janssen
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.mpm.noise_control import NoiseControl
+from taichi_silo.runs.theories import janssen_of
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import LEFT, RIGHT, Simulation
-from validation.stability.cell import Cell, cells_of
+from validation.stability.measurement import Measurement, measurements
 
-MODE = "8 ratcheting"
+FAILURE_MODE = "8 ratcheting"
 AMPLITUDE_M, FREQUENCY_HZ, SHAKEN_S = 20e-6, 25.0, 0.24
 PLAIN = {"noise_control": "none"}
 METHODS = {  # method, law, noise control where it is not the scene's own
@@ -43,9 +43,8 @@ QUICK = ("drag to the mean (default)", "no control")
 def silo(method: dict, law: str, control: str | None) -> Simulation:
     """The model silo on 10 mm cells, dense sand, smooth walls."""
     scene = Scene(
-        silo=Silo(half="no"), sand=Sand(law=law),
-        walls=Walls(kind="smooth", friction_angle_deg=19.0), grid=Mesh(cell_size_m=0.01),
-        flow=Flow(speed_m_per_s=0.005, displacement_m=0.002),
+        silo=Silo(half="no"), sand=Sand(law=law), walls=Walls(kind="smooth", friction_angle_deg=19.0),
+        grid=Mesh(cell_size_m=0.01), flow=Flow(speed_m_per_s=0.005, displacement_m=0.002),
         method=Method(longest_settling_s=0.3, **method), machine=Machine(threads=1),
     )  # fmt: skip
     simulation = Simulation(scene)
@@ -106,8 +105,7 @@ def history(method: dict, law: str, control: str | None) -> dict:
     rows = np.array(rows)
     scene = simulation.scene
     ratio = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio)
-    weight = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
-    theory = Janssen(scene.silo.width_m, scene.silo.height_m, weight, scene.walls.friction_angle_deg, ratio)
+    theory = janssen_of(scene, scene.walls.friction_angle_deg, ratio)
     steady = rows[len(rows) // 2 :, 1]
     return {
         "filled": float(filled), "shaken": periods[-1], "shaken_void": after["void_ratio"] - before["void_ratio"],
@@ -117,7 +115,7 @@ def history(method: dict, law: str, control: str | None) -> dict:
     }  # fmt: skip
 
 
-def data(full: bool = True) -> dict[str, dict]:
+def curves(full: bool = True) -> dict[str, dict]:
     """What `history` says of each method."""
     found = {}
     for name in METHODS if full else QUICK:
@@ -128,13 +126,8 @@ def data(full: bool = True) -> dict[str, dict]:
     return found
 
 
-def cells(full: bool = True) -> list[Cell]:
-    """Each noise control and transfer, and intergranular strain."""
-    return cells_from(data(full))
-
-
-def cells_from(histories: dict[str, dict]) -> list[Cell]:
-    """The rows of the map."""
+def judge(histories: dict[str, dict]) -> list[Measurement]:
+    """Measurements of each noise control and transfer, and of intergranular strain, from their histories."""
     found = []
     for words, unit, bound, value in (
         ("N after filling over Janssen's, distance from 1", "-", 0.1, lambda h: abs(h["filled"] / h["janssen"] - 1)),
@@ -146,5 +139,5 @@ def cells_from(histories: dict[str, dict]) -> list[Cell]:
         ("shaken at rest: change of void ratio", "-", 0.003, lambda h: abs(h["shaken_void"])),
     ):
         values = {name: value(history) for name, history in histories.items()}
-        found += cells_of(MODE, words, unit, "<=", bound, values)
+        found += measurements(words, unit, "<=", bound, values)
     return found

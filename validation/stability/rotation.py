@@ -9,9 +9,9 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import SHAPES, ConvectedDomain
 from taichi_silo.mpm.velocity_transfer import Flip
 from validation.stability.bodies import block, change, solver
-from validation.stability.cell import Cell, cells_of
+from validation.stability.measurement import Measurement, measurements
 
-MODE = "3 shear and rotation"
+FAILURE_MODE = "3 shear and rotation"
 CELL, SIZE = 0.05, 2.0
 FREE = Elastic(0.0, 0.0)  # stresses turn, nothing else
 HEAVY = 1e9  # [kg/m3]: no stress moves it
@@ -100,19 +100,19 @@ def domain_at_a_right_angle(shape, steps: int = 500) -> float:
     return float((area / (0.5 * CELL) ** 2).min())
 
 
-def cells(full: bool = True) -> list[Cell]:
+def measure(full: bool = True) -> list[Measurement]:
     """A vortex for every shape, a rigid rotation for every shape, and the domains that are left."""
     shapes = dict(SHAPES.items()) | {"cpdi unguarded": lambda half: ConvectedDomain(half, guarded=False)}
     found = []
     for turns in (2.0, 8.0) if full else (2.0,):
         errors = {name: vortex_error(kind(0.25), turns, int(200 * turns)) for name, kind in shapes.items()}
         words = f"error of the strain path in a vortex, {turns:g} turns"
-        found += cells_of(MODE, words, "of the path", "<=", 0.05, {name: e[0] for name, e in errors.items()})
+        found += measurements(words, "of the path", "<=", 0.05, {name: e[0] for name, e in errors.items()})
         words = f"spread of the volumes in a vortex, {turns:g} turns"
-        found += cells_of(MODE, words, "of the path", "<=", 0.1, {name: e[1] for name, e in errors.items()})
+        found += measurements(words, "of the path", "<=", 0.1, {name: e[1] for name, e in errors.items()})
     names = SHAPES if full else ("ugimp", "cpdi")
     errors = {name: rotation_error(SHAPES[name](0.25)) for name in names}
     errors["ugimp, no objective rate"] = rotation_error_without_objective_rate()
-    found += cells_of(MODE, "error of a stress that turned by 90 deg", "of its deviator", "<=", 0.02, errors)
+    found += measurements("error of a stress that turned by 90 deg", "of its deviator", "<=", 0.02, errors)
     areas = {name: domain_at_a_right_angle(SHAPES[name](0.25)) for name in ("cpgimp", "cpdi")}
-    return found + cells_of(MODE, "area of a domain that turned by 90 deg", "of its own", ">=", 0.9, areas)
+    return found + measurements("area of a domain that turned by 90 deg", "of its own", ">=", 0.9, areas)

@@ -9,9 +9,9 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import SHAPES, ConvectedDomain
 from taichi_silo.mpm.velocity_transfer import Flip
 from validation.stability.bodies import block, change, solver
-from validation.stability.cell import Cell, cells_of
+from validation.stability.measurement import Measurement, measurements
 
-MODE = "2 stretching"
+FAILURE_MODE = "2 stretching"
 CELL, RATE, MOST_STRETCH, STEPS = 0.01, 1.0, 12.0, 44
 NEEDED = {False: 6.0, True: 8.0}  # stretch to survive along an axis, along the diagonal (four points a cell)
 WRONG = 0.1  # relative error of the volume that counts as fracture
@@ -50,7 +50,7 @@ def stretch_at_fracture(shape, diagonal: bool = False, cells: int = 12, per_axis
     return reached
 
 
-def cells(full: bool = True) -> list[Cell]:
+def measure(full: bool = True) -> list[Measurement]:
     """Every shape with four points a cell, along an axis and along the diagonal; full: with one as well."""
     found = []
     shapes = dict(SHAPES.items()) | {"cpdi unguarded": lambda half: ConvectedDomain(half, guarded=False)}
@@ -61,5 +61,5 @@ def cells(full: bool = True) -> list[Cell]:
             reached = {
                 name: stretch_at_fracture(kind(0.5 / per_axis), diagonal, 12, per_axis) for name, kind in shapes.items()
             }
-            found += cells_of(MODE, words, "-", ">=", 0.5 * per_axis * NEEDED[diagonal], reached)
+            found += measurements(words, "-", ">=", 0.5 * per_axis * NEEDED[diagonal], reached)
     return found

@@ -12,10 +12,10 @@ from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.scene.scene import Flow, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import Simulation
 from validation.stability.bodies import block, solver
-from validation.stability.cell import Cell, cells_of
+from validation.stability.measurement import Measurement, measurements
 from validation.stability.step_criteria import Criteria
 
-MODE = "5 time step"
+FAILURE_MODE = "5 time step"
 CELL, CELLS, DENSITY, NOISE = 0.01, 8, 1500.0, 1e-4
 LAW = Elastic(1e6, 0.0)
 SPEED = math.sqrt(LAW.young_modulus_Pa / DENSITY)
@@ -127,7 +127,7 @@ def scaled_silo(factor: float) -> dict[str, float]:
     return found | {"steps": simulation.steps}
 
 
-def cells(full: bool = True) -> list[Cell]:
+def measure(full: bool = True) -> list[Measurement]:
     """Explosion for each shape, points a cell, with and without nearly empty cells; then the silent error."""
     found = []
     shapes = SHAPES if full else {"ugimp": SHAPES["ugimp"], "linear": SHAPES["linear"]}
@@ -139,17 +139,17 @@ def cells(full: bool = True) -> list[Cell]:
                 words = f"largest stable step over {measure}, {where}"
                 bound = 0.4 if measure == "h / c" else 0.99  # bisected to 1 %
                 values = {name: limit[measure] for name, limit in limits.items()}
-                found += cells_of(MODE, words, "-", ">=", bound, values)
+                found += measurements(words, "-", ">=", bound, values)
     scaled = {factor: scaled_silo(factor) for factor in ((1, 10, 100, 1000) if full else ())}
     for force in ("P", "T", "N") if full else ():
         values = {
             f"{factor} times the mass": abs(forces[force] / scaled[1][force] - 1.0)
             for factor, forces in scaled.items() if factor > 1
         }  # fmt: skip
-        found += cells_of(MODE, f"mass scaling: change of {force}, very rough walls, 2 mm/s", "-", "<=", 0.02, values)
+        found += measurements(f"mass scaling: change of {force}, very rough walls, 2 mm/s", "-", "<=", 0.02, values)
     for number, factors in ((1, FACTORS), (4, FACTORS[::2])) if full else ():
         right, alive = silence(number, factors)
         words = f"{number} point{'s' * (number > 1)} a cell"
         for measure, step in (("with N within 1 %", right), ("that does not explode", alive)):
-            found += cells_of(MODE, f"silo: step over auto {measure}, {words}", "-", ">=", 0.95, {"ugimp": step})
+            found += measurements(f"silo: step over auto {measure}, {words}", "-", ">=", 0.95, {"ugimp": step})
     return found

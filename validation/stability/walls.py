@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from taichi_silo.analysis.theory.janssen import Janssen
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
@@ -11,13 +10,14 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.mpm.walls import Coulomb, PlaneWall
+from taichi_silo.runs.theories import janssen_of
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Sand, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import Simulation
 from validation.stability.bodies import block, change, solver
-from validation.stability.cell import Cell, cells_of
 from validation.stability.emptying import empty
+from validation.stability.measurement import Measurement, measurements
 
-MODE = "9 walls"
+FAILURE_MODE = "9 walls"
 
 
 def corner(shape: str, cell: float = 0.01) -> dict[str, float]:
@@ -57,9 +57,8 @@ def slot(cells_across: int, shape: str = "ugimp", slenderness: float = 4.0) -> d
     )  # fmt: skip
     simulation = Simulation(scene)
     records = list(simulation.run())
-    weight = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
     ratio = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio)
-    theory = Janssen(width, height, weight, scene.walls.friction_angle_deg, ratio).normal_force_N_per_m
+    theory = janssen_of(scene, scene.walls.friction_angle_deg, ratio).normal_force_N_per_m
     normal = np.mean([record.normal_N_per_m for record in records[-20:]])
     return {
         "bad": float(max(record.strays for record in records)), "normal": abs(float(normal) / theory - 1.0)
@@ -96,14 +95,14 @@ def pushed(shape_name: str, friction_deg: float = 20.0, speed: float = 1.0) -> d
     return {"through": max(0.0, 0.5 * cell - nearest) / (0.5 * cell), "bad": float(strays)}
 
 
-def cells(full: bool = True) -> list[Cell]:
+def measure(full: bool = True) -> list[Measurement]:
     """Each shape at each kind of wall."""
     names = tuple(SHAPES) if full else ("ugimp",)
     found = []
 
     def add(words, unit, relation, bound, cases, measure):
         values = {name: case[measure] for name, case in cases.items()}
-        found.extend(cells_of(MODE, words, unit, relation, bound, values))
+        found.extend(measurements(words, unit, relation, bound, values))
 
     corners = {name: corner(name) for name in names}
     add("very rough corner: points lost", "-", "<=", 0, corners, "bad")

@@ -1,13 +1,12 @@
-"""One point of the chart: a scene, run in a process of its own, and the few numbers that are kept of it.
+"""A parameter set of the chart: a scene, run in a process of its own, and the few numbers that are kept of it.
 
-Run as a program, it reads a point from its input, says what it expects to cost, and leaves a file; the environment
-variable TAICHI_SILO_PRECISION says in which precision.
+Run as a program, it reads a parameter set from its input, says what it expects to cost, and leaves a file; the
+environment variable TAICHI_SILO_PRECISION says in which precision.
 """
 
 import dataclasses
 import hashlib
 import json
-import math
 import sys
 import time
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 import pandas as pd
+from pydantic_core import to_json
 
 from taichi_silo.analysis.measure.void_ratio_zones import wall_zone_thickness_m
 from taichi_silo.errors import RunFailed
@@ -26,6 +26,7 @@ from taichi_silo.runs.observers.guard import Guard
 from taichi_silo.scene.dotted_paths import OUTSIDE, changed
 from taichi_silo.scene.scene import Machine, Scene
 from taichi_silo.simulation.simulation import Simulation
+from taichi_silo.utils import atomic_write
 from taichi_silo.utils.child_process import given
 from taichi_silo.utils.schema import Options
 from validation.accuracy.curves import Curves, WallProfile
@@ -34,8 +35,8 @@ FORMAT = 1  # of the files; those of another one are made anew
 NUDGE = 1e-12  # of the places at the start, over the spacing: what rounding might do
 
 
-class Point(Options):
-    """A run: scene, precision of its numbers, and number of its start perturbation (0: none)."""
+class ParameterSet(Options):
+    """What decides over a run: scene, precision of its numbers, and number of its start perturbation (0: none)."""
 
     scene: Scene
     precision: Literal["f64", "f32", "mixed"] = "f64"
@@ -48,19 +49,19 @@ class Point(Options):
         return hashlib.sha256(json.dumps(tables, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def point(scene: Scene, settings: dict) -> Point:
-    """The point that a scene becomes with settings; on one thread, so that it repeats itself."""
+def parameter_set(scene: Scene, settings: dict) -> ParameterSet:
+    """A scene with some settings changed; on one thread, so that it repeats itself."""
     tables = changed(scene, settings).model_copy(update={"machine": Machine(arch=scene.machine.arch, threads=1)})
-    return Point(scene=tables, **{name: settings[name] for name in OUTSIDE if name in settings})
+    return ParameterSet(scene=tables, **{name: settings[name] for name in OUTSIDE if name in settings})
 
 
-def file_of(one: Point, folder: Path) -> Path:
-    """Where the numbers of a point are kept."""
+def file_of(one: ParameterSet, folder: Path) -> Path:
+    """Where the numbers of a run are kept."""
     return folder / f"{one.key}.json"
 
 
-def kept(one: Point, folder: Path) -> dict | None:
-    """The numbers of a finished point; None if there are none that can be read."""
+def kept(one: ParameterSet, folder: Path) -> dict | None:
+    """The numbers of a finished run; None if there are none that can be read."""
     try:
         found = json.loads(file_of(one, folder).read_text())
         return found if found["format"] == FORMAT else None
@@ -91,8 +92,8 @@ class Records(Observer):
         return simulation.points() | {"displacement_m": simulation.displacement, "time_s": simulation.time}
 
 
-def simulate(one: Point, told=lambda cost: None) -> dict:
-    """Run a point and return what is kept of it; Taichi has been started. `told` hears the expected cost first.
+def simulate(one: ParameterSet, told=lambda cost: None) -> dict:
+    """Run a parameter set and return what is kept of it; Taichi has been started. `told` hears the expected cost first.
 
     Returns
     -------
@@ -149,7 +150,7 @@ def simulate(one: Point, told=lambda cost: None) -> dict:
             "zone_thickness_m": zone_thickness_m(records.after_filling, records.state(), scene),
             "certificate": certificate(rows, records.after_filling, records.state(), simulation),
         }
-    return _plain(found)
+    return found
 
 
 def zone_thickness_m(filled: dict, now: dict, scene: Scene) -> float:
@@ -162,32 +163,21 @@ def zone_thickness_m(filled: dict, now: dict, scene: Scene) -> float:
     return float(np.mean([zone.median_m for zone in sides]))
 
 
-def _plain(value):
-    """As JSON has it: lists, Python numbers, and null for what is not finite."""
-    if isinstance(value, dict):
-        return {key: _plain(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [_plain(inner) for inner in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def leave(one: Point, folder: Path) -> None:
-    """Run a point and leave its file, in one piece or not at all; the expected cost goes to the output first."""
+def leave(one: ParameterSet, folder: Path) -> None:
+    """Run a parameter set and leave its file, whole or not at all; the expected cost goes to the output first."""
     file = file_of(one, folder)
 
     def told(cost) -> None:
         print(json.dumps({"steps": cost.steps, "core_seconds": cost.core_seconds}), flush=True)
 
-    temporary = file.with_suffix(".part")
-    temporary.write_text(json.dumps(simulate(one, told)))
-    temporary.replace(file)
+    found = simulate(one, told)
+    with atomic_write.written(file) as passing:  # null for what is not finite
+        passing.write_bytes(to_json(found, inf_nan_mode="null", fallback=lambda value: value.tolist()))
 
 
 if __name__ == "__main__":
     try:
-        wanted = Point.model_validate_json(given())
+        wanted = ParameterSet.model_validate_json(given())
         runtime.init(wanted.scene.machine.arch, wanted.scene.machine.threads)
         leave(wanted, Path(sys.argv[1]))
     except KeyboardInterrupt:

@@ -17,23 +17,24 @@ from taichi_silo.scene.dotted_paths import changed, known, value
 from taichi_silo.scene.fidelity import fidelities, fidelity
 from taichi_silo.scene.scene import Scene
 from taichi_silo.utils.process_pool import Processes
-from validation.accuracy import limit, plan, points, table, varied_settings, workers
+from validation.accuracy import limit, parameter_set, plan, table, varied_settings, workers
 from validation.accuracy.curves import Curves
-from validation.accuracy.errors import ERRORS, errors, relative_difference, scatter
+from validation.accuracy.errors import ERRORS, errors, pareto_front, relative_difference, scatter
 from validation.accuracy.fidelities import choose, write
 from validation.accuracy.figures import error_figure, speed_figure
-from validation.accuracy.pareto_front import front
-from validation.accuracy.varied_settings import FULL, SHORT, Dial, Program, listed, words
+from validation.accuracy.varied_settings import FULL, SHORT, Program, VariedSetting, known_to_the_scene, words
 
 TINY = Program(
     base={"grid.cell_size_m": 0.05, "flow.speed_m_per_s": 0.02, "flow.displacement_m": 0.002},
     reference={"flow.speed_m_per_s": 0.01},
-    dials={
+    varied={
         "very-rough": [
-            Dial(name="rounding", settings=[{"nudge": 1}]),
-            Dial(name="bottom speed", settings=[{"flow.speed_m_per_s": v} for v in (0.02, 0.04)]),
-            Dial(name="precision", settings=[{"precision": "f32"}]),
-            Dial(name="speed: as it is", settings=[{"flow.speed_m_per_s": v} for v in (0.02, 0.04)], purpose="speed"),
+            VariedSetting(name="rounding", settings=[{"nudge": 1}]),
+            VariedSetting(name="bottom speed", settings=[{"flow.speed_m_per_s": v} for v in (0.02, 0.04)]),
+            VariedSetting(name="precision", settings=[{"precision": "f32"}]),
+            VariedSetting(
+                name="speed: as it is", settings=[{"flow.speed_m_per_s": v} for v in (0.02, 0.04)], purpose="speed"
+            ),
         ]
     },
 )
@@ -44,7 +45,7 @@ def made_up(factor: float = 1.0, cost: float = 1.0, zone: float = 0.02) -> dict:
     u = np.linspace(0.1, 5.0, 50)
     forces = {"P": 300.0 + u, "T": 700.0 - u, "N": 800.0 + 10.0 * u}
     return {
-        "format": points.FORMAT,
+        "format": parameter_set.FORMAT,
         "failure": None,
         "curves": {"displacement_m": list(u)} | {name: list(factor * force) for name, force in forces.items()},
         "profile": {"height_m": [0.1, 0.2], "normal_stress_Pa": [factor * 2e3, factor * 1e3]},
@@ -114,7 +115,7 @@ NUMBERS = st.floats(0.1, 100.0).map(lambda x: round(x, 1)) | st.just(math.nan)
 
 @given(st.lists(st.tuples(NUMBERS, NUMBERS), max_size=30))
 def test_a_point_is_on_the_front_if_and_only_if_no_other_beats_it(pairs):
-    chosen = front([p[0] for p in pairs], [p[1] for p in pairs])
+    chosen = pareto_front([p[0] for p in pairs], [p[1] for p in pairs])
 
     def beaten(one, other) -> bool:
         return other[0] <= one[0] and other[1] <= one[1] and other != one and not any(map(math.isnan, other))
@@ -137,16 +138,16 @@ def test_what_the_scene_does_not_know_is_refused_and_not_listed():
     assert not known("flow.colour") and not known("flow") and known("nudge")
     with pytest.raises(BadInput, match=r"setting is flow\.colour"):
         changed(Scene(), {"flow.colour": 1.0})
-    unknown = Dial(name="colour", settings=[{"flow.colour": 1.0}])
-    shape = Dial(name="shape", settings=[{"grid.shape": "cpdi"}])
-    assert listed([unknown, shape]) == [shape]
+    unknown = VariedSetting(name="colour", settings=[{"flow.colour": 1.0}])
+    shape = VariedSetting(name="shape", settings=[{"grid.shape": "cpdi"}])
+    assert known_to_the_scene([unknown, shape]) == [shape]
 
 
 @pytest.mark.parametrize("program", [SHORT, FULL], ids=["short", "full"])
 def test_every_setting_of_the_chart_makes_a_scene(program):
-    planned = plan.entries(program)
+    planned = plan.chart_rows(program)
     assert {entry.walls for entry in planned} == {"very-rough", "smooth"}
-    assert len({(e.walls, e.dial, e.setting) for e in planned}) == len(planned), "a dial has a setting twice"
+    assert len({(e.walls, e.varied, e.setting) for e in planned}) == len(planned), "a dial has a setting twice"
     assert len(plan.runs(planned)) < len(planned), "the base is shared by all dials"
 
 
@@ -157,22 +158,25 @@ def test_settings_are_named_in_the_units_of_the_field():
 
 def test_unknown_walls_and_dials_are_refused():
     with pytest.raises(BadInput, match="walls is round"):
-        plan.entries(TINY, walls="round")
+        plan.chart_rows(TINY, walls="round")
     with pytest.raises(BadInput, match="dial is weather; it must be all, or some of bottom speed"):
-        plan.entries(TINY, dial="weather")
+        plan.chart_rows(TINY, varied="weather")
 
 
 def test_a_run_is_known_by_what_changes_its_result_and_not_by_the_machine():
-    one = points.point(Scene(), {})
-    assert points.point(Scene(machine={"threads": 1}), {}).key == one.key
-    assert len({one.key, *(points.point(Scene(), s).key for s in ({"nudge": 1}, {"precision": "f32"}))}) == 3
+    one = parameter_set.parameter_set(Scene(), {})
+    assert parameter_set.parameter_set(Scene(machine={"threads": 1}), {}).key == one.key
+    assert (
+        len({one.key, *(parameter_set.parameter_set(Scene(), s).key for s in ({"nudge": 1}, {"precision": "f32"}))})
+        == 3
+    )
 
 
 # --- runs that are kept -----------------------------------------------------------------------------------------------
 
 
 def test_only_what_is_missing_or_broken_is_run_again(tmp_path, monkeypatch):
-    planned = plan.runs(plan.entries(TINY))
+    planned = plan.runs(plan.chart_rows(TINY))
     keys = list(planned)
     for key in keys[:-2]:
         (tmp_path / f"{key}.json").write_text(json.dumps(made_up()))
@@ -180,7 +184,7 @@ def test_only_what_is_missing_or_broken_is_run_again(tmp_path, monkeypatch):
     begun = []
 
     def one(self, task):
-        key = points.Point.model_validate_json(task.line).key
+        key = parameter_set.ParameterSet.model_validate_json(task.line).key
         begun.append(key)
         (tmp_path / f"{key}.json").write_text(json.dumps(made_up()))
         return ""
@@ -197,7 +201,7 @@ def test_only_what_is_missing_or_broken_is_run_again(tmp_path, monkeypatch):
 
 
 def rows_of(program) -> tuple[pd.DataFrame, pd.DataFrame]:
-    planned = plan.entries(program)
+    planned = plan.chart_rows(program)
     keys = list(plan.runs(planned))
     found = {key: made_up(1.0 + 0.01 * k, 100.0 - k) for k, key in enumerate(keys)}
     return table.chart(planned, found, plan.paths(planned)), table.floors(planned, found)
@@ -215,18 +219,18 @@ def test_the_table_has_every_dial_cost_errors_and_certificate():
 
 
 def test_the_reference_is_not_on_the_front_under_another_dial_s_name_either():
-    same = Dial(name="slower", settings=[TINY.reference])
-    rows, _ = rows_of(TINY.model_copy(update={"dials": {"very-rough": [*TINY.dials["very-rough"], same]}}))
+    same = VariedSetting(name="slower", settings=[TINY.reference])
+    rows, _ = rows_of(TINY.model_copy(update={"varied": {"very-rough": [*TINY.varied["very-rough"], same]}}))
     reference = rows[rows.key == rows.key[0]]
     assert set(reference.dial) == {"reference", "slower"} and not reference.on_front.any()
     assert rows.on_front.any()
 
 
 def test_a_run_that_is_not_there_yet_leaves_no_row_and_without_reference_there_is_no_error():
-    planned = plan.entries(TINY)
-    base = next(entry for entry in planned if entry.dial == plan.ROUNDING)
-    rows = table.chart(planned, {base.point.key: made_up()}, plan.paths(planned))
-    assert set(rows.key) == {base.point.key}
+    planned = plan.chart_rows(TINY)
+    base = next(entry for entry in planned if entry.varied == plan.ROUNDING)
+    rows = table.chart(planned, {base.parameters.key: made_up()}, plan.paths(planned))
+    assert set(rows.key) == {base.parameters.key}
     assert rows.error_N.isna().all() and not rows.on_front.any()
 
 
