@@ -190,10 +190,9 @@ def test_only_what_is_missing_or_broken_is_run_again(tmp_path, monkeypatch):
         return ""
 
     monkeypatch.setattr(Processes, "_one", one)
-    costs = dict.fromkeys(keys, workers.Cost(1, 1, 1.0))
     for expected in (set(keys[-2:]), set()):
         begun.clear()
-        assert workers.Workers(tmp_path, 1, lambda words: None).run(planned, dict.fromkeys(keys, ""), costs) == {}
+        assert workers.run_missing(planned, dict.fromkeys(keys, ""), 1e-7, tmp_path, 1, lambda words: None) == {}
         assert set(begun) == expected
 
 

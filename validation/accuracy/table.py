@@ -58,7 +58,7 @@ def chart(planned: list[ChartRow], found: dict[str, dict], paths: list[str]) -> 
         rows.append(row)
     table = pd.DataFrame(rows)
     on_front = pd.Series(False, index=table.index)
-    for _, some in table[~table.key.isin(table.key[table.varied == REFERENCE])].groupby("walls"):
+    for _, some in table[~table.key.isin(table.key[table.dial == REFERENCE])].groupby("walls"):
         once = some.drop_duplicates("key")
         best = once.key[pareto_front(once.cost_core_seconds, once.error_N)]
         on_front[some.index] = some.key.isin(best)
