@@ -24,7 +24,7 @@ from taichi_silo.mpm import runtime
 from taichi_silo.runs.run_folder import free_name
 from taichi_silo.scene import sands
 from taichi_silo.scene.scene import Averaging, Machine
-from validation.biaxial.run import leave, summary_of
+from validation.biaxial.run import leave, run_case, summary_of
 from validation.biaxial.scene import BiaxialScene
 from validation.biaxial.studies import STUDIES, cost, differences, draw_study, table_of
 from validation.in_parallel import in_parallel
@@ -82,7 +82,7 @@ def run_studies(names: list[str], folder: Path) -> None:
             case = STUDIES[name].scene(changes)
             cases.setdefault(STUDIES[name].folder(folder, label), case)
     costs = {place.name: cost(case) for place, case in cases.items()}
-    failures = in_parallel(_case, {place.name: (case, place) for place, case in cases.items()}, costs)
+    failures = in_parallel(run_case, {place.name: (case, place) for place, case in cases.items()}, costs)
     for name, why in failures.items():
         raise RunFailed(f"in {len(failures)} of {len(cases)} cases, the first being {name}: {why}")
     for name in names:
@@ -95,15 +95,6 @@ def run_studies(names: list[str], folder: Path) -> None:
     apart = differences(folder)
     apart.to_csv(folder / "differences.csv", index=False, float_format="%.3g")
     print(apart.to_string(index=False, float_format=lambda value: f"{value:.3g}"))
-
-
-def _case(scene: BiaxialScene, place: Path) -> str:
-    """Run one case, unless it is there; says so, or why it cannot be run."""
-    try:
-        leave(scene, place, overwrite=True, keep=True)
-    except BadInput as error:
-        return str(error)
-    return "done"
 
 
 if __name__ == "__main__":

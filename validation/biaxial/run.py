@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib import rc_context
 from rich.console import Console
 
-from taichi_silo.errors import RunFailed
+from taichi_silo.errors import BadInput, RunFailed
 from taichi_silo.runs.run_folder import claim, write_tables
 from taichi_silo.show.figures.style import STYLE
 from taichi_silo.utils import vtu
@@ -82,6 +82,15 @@ def leave(scene: BiaxialScene, folder: Path, overwrite: bool = False, keep: bool
     if failure is not None and not keep:
         raise failure
     return folder
+
+
+def run_case(scene: BiaxialScene, place: Path) -> str:
+    """Run one case, unless it is there; says so, or why it cannot be run."""
+    try:
+        leave(scene, place, overwrite=True, keep=True)
+    except BadInput as error:
+        return str(error)
+    return "done"
 
 
 def _portable(tables: dict) -> dict:

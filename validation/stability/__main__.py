@@ -21,11 +21,9 @@ from typer import Option
 
 from taichi_silo.cli import command_line
 from taichi_silo.errors import BadInput, RunFailed
-from taichi_silo.mpm import runtime
 from taichi_silo.show.figures.style import STYLE
-from taichi_silo.utils import atomic_write
 from validation.in_parallel import in_parallel
-from validation.stability import MODES, measured
+from validation.stability import MODES, leave
 from validation.stability.figures import matrix, order_figure, page, ratcheting_figure
 
 FIGURES = {"order": order_figure, "ratcheting": ratcheting_figure}
@@ -51,21 +49,11 @@ def stability(
         raise RunFailed(f"in {len(lost)} of {len(wanted)} modes, the first being {name}: {why}")
 
 
-def leave(name: str, full: bool, parts: Path) -> str:
-    """Measure a mode and leave its rows and curves; says how many numbers hold."""
-    runtime.init()
-    failure_mode, found, curves = measured(name, full)
-    if curves is not None:
-        (parts / f"{name}.json").write_text(json.dumps(curves))
-    with atomic_write.written(parts / f"{name}.csv") as passing:
-        pd.DataFrame([one.row(failure_mode) for one in found]).to_csv(passing, index=False, float_format="%.6g")
-    return f"{sum(one.holds for one in found)} of {len(found)} hold"
-
-
 def draw(output: Path, parts: Path) -> None:
     """The table, a figure for each mode, and the page."""
-    there = [name for name in MODES if (parts / f"{name}.csv").exists()]
-    tables = {name: pd.read_csv(parts / f"{name}.csv") for name in there}
+    tables = {name: pd.read_csv(file) for name in MODES if (file := parts / f"{name}.csv").exists()}
+    if not tables:
+        return
     whole = pd.concat(tables.values())
     whole.to_csv(output / "table.csv", index=False, float_format="%.6g")
     (output / "figures").mkdir(exist_ok=True)
