@@ -15,6 +15,8 @@ from validation.stability.emptying import empty
 from validation.stability.measurement import Measurement
 from validation.stability.stretching import NEEDED, stretch_at_fracture
 
+LANES = False  # many kernels, each compiled once; see conftest.py
+
 
 class TestCellCrossing:
     """A column is compressed through several cells: sigma = -(weight above), exactly."""

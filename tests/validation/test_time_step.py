@@ -13,6 +13,8 @@ from validation.stability.bodies import block, change, solver
 from validation.stability.step_criteria import Criteria
 from validation.stability.time_step import Block
 
+LANES = False  # many kernels, each compiled once; see conftest.py
+
 CELL, DENSITY = 0.1, 1500.0
 LAW = Elastic(1e6, 0.0)
 SPEED = math.sqrt(1e6 / DENSITY)
