@@ -3,9 +3,13 @@
 The study itself is `validation.accuracy`.
 """
 
-import runpy
 import sys
 from pathlib import Path
 
+from taichi_silo.cli import command_line
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-runpy.run_module("validation.accuracy", run_name=__name__)
+from validation.accuracy.__main__ import chart as scenario  # noqa: E402
+
+if __name__ == "__main__":
+    command_line.command(scenario)

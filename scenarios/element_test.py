@@ -24,7 +24,7 @@ from taichi_silo.show.figures.style import STYLE
 from taichi_silo.studies.element_tests import COLUMNS, TESTS, ElementScene, curve_of
 
 
-def element_test(
+def scenario(
     test: Annotated[Literal[tuple(TESTS)], Argument(help="which test")],
     sand: flags.SandFlag = "karlsruhe",
     void_ratio: Annotated[float, Option(help="initial void ratio [-], between e_d and e_i at the pressure")] = 0.60,
@@ -76,4 +76,4 @@ def element_test(
 
 
 if __name__ == "__main__":
-    command_line.command(element_test)
+    command_line.command(scenario)

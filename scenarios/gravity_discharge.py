@@ -11,41 +11,42 @@ in time, and, on a floor with friction, sand that stays beside the outlet.
 Cost: 4,000 points, about 100,000 steps a second of flow, some 20 seconds each on one core.
 """
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from typer import Option
 
-from taichi_silo.cli import command_line, flags
-from taichi_silo.cli.scenario_flags import Free
+from taichi_silo.cli import command_line
+from taichi_silo.cli.scenario import OUTLET, SILO, silo_scenario
 from taichi_silo.errors import BadInput
-from taichi_silo.scene.scene import Flow
-from taichi_silo.scene.silo import Hopper, Outlet, Silo
+from taichi_silo.scene.scene import Flow, Scene
+from taichi_silo.scene.silo import Outlet, Silo
 
 
-def gravity_discharge(
-    outlet_width: flags.OutletFlag = 0.08,
-    outlet_position: flags.PositionFlag = "centre",
+def adapt(
+    tables: dict[str, Any],
     hopper_angle: Annotated[
-        float | None, Option(help="half angle of a hopper's walls, from the vertical [deg]; a flat floor if not given")
+        float | None, Option(help="half angle of a hopper's walls, from the vertical [°]; a flat floor if not given")
     ] = None,
-    longest: Annotated[float, Option(help="time of flow after which the run ends [s]")] = 4.0,
-    share: Annotated[float, Option(help="of the sand that has left when the run ends [-]")] = 1.0,
-    width: flags.WidthFlag = 0.2,
-    height: flags.HeightFlag = 0.5,
-    section: flags.SectionFlag = "plane",
-    common: Free = None,
-):
-    """Open the outlet and record the discharge, forces and wall stresses."""
-    shape = {"width_m": width, "height_m": height, "section": section, "half": common.half}
-    if hopper_angle is not None and outlet_position != "centre":
-        raise BadInput(f"outlet position is {outlet_position}; that of a hopper must be centre")
-    if hopper_angle is None:
-        silo = Silo(**shape, outlet=Outlet(width_m=outlet_width, position=outlet_position))
-    else:
-        silo = Silo(**shape, hopper=Hopper(half_angle_deg=hopper_angle, outlet_width_m=outlet_width))
-    most = share * silo.area_m2 / silo.outlet_share_m
-    common.run(silo, "gravity_discharge", Flow(outflow="gravity", displacement_m=most, longest_s=longest))
+    share: Annotated[float, Option(help="share of the sand that has left when the run ends")] = 1.0,
+) -> None:
+    """Put a hopper in the outlet's place, and let the run end when a share of the sand has left."""
+    silo, outlet = tables["silo"], tables["silo"]["outlet"]
+    if hopper_angle is not None:
+        if outlet["position"] != "centre":
+            raise BadInput(f"outlet position is {outlet['position']}; that of a hopper must be centre")
+        silo |= {"outlet": None, "hopper": {"half_angle_deg": hopper_angle, "outlet_width_m": outlet["width_m"]}}
+    whole = Silo.model_validate(silo)
+    tables["flow"]["displacement_m"] = share * whole.area_m2 / whole.outlet_share_m
+
+
+scenario = silo_scenario(
+    "Open the outlet and record the discharge, forces and wall stresses.",
+    scene=Scene(silo=Silo(outlet=Outlet(width_m=0.08)), flow=Flow(outflow="gravity", longest_s=4.0)),
+    paths=(*OUTLET, "flow.longest_s", *SILO),
+    name=lambda scene: "gravity_discharge",
+    adapt=adapt,
+)
 
 
 if __name__ == "__main__":
-    command_line.command(gravity_discharge)
+    command_line.command(scenario)

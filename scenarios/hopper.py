@@ -7,35 +7,21 @@ degrees between smooth walls flows as a whole; one of 45 degrees with rough wall
 Cost: that of mass flow.
 """
 
-from typing import Annotated
-
-from typer import Option
-
-from taichi_silo.cli import command_line, flags
-from taichi_silo.cli.scenario_flags import Controlled
+from taichi_silo.cli import command_line
+from taichi_silo.cli.scenario import CONTROLLED, SILO, silo_scenario
+from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.silo import Hopper, Silo
 
-
-def hopper(
-    half_angle: Annotated[float, Option(help="of the hopper's walls, from the vertical [deg]")] = 20.0,
-    outlet_width: flags.OutletFlag = 0.06,
-    hopper_friction_angle: Annotated[
-        float | None, Option(help="of the hopper's walls [deg]; as the side walls if not given")
-    ] = None,
-    width: flags.WidthFlag = 0.2,
-    height: flags.HeightFlag = 0.5,
-    section: flags.SectionFlag = "plane",
-    common: Controlled = None,
-):
-    """Let sand flow out of a hopper at a given speed and record forces, wall stresses and shear zones."""
-    silo = Silo(
-        width_m=width, height_m=height, section=section, half=common.half,
-        hopper=Hopper(
-            half_angle_deg=half_angle, outlet_width_m=outlet_width, friction_angle_deg=hopper_friction_angle
-        ),
-    )  # fmt: skip
-    common.run(silo, f"hopper_{half_angle:g}deg")
+scenario = silo_scenario(
+    "Let sand flow out of a hopper at a given speed and record forces, wall stresses and shear zones.",
+    scene=Scene(silo=Silo(hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.06))),
+    paths=(
+        "silo.hopper.half_angle_deg", "silo.hopper.outlet_width_m", "silo.hopper.friction_angle_deg",
+        *SILO, *CONTROLLED,
+    ),
+    name=lambda scene: f"hopper_{scene.silo.hopper.half_angle_deg:g}deg",
+)  # fmt: skip
 
 
 if __name__ == "__main__":
-    command_line.command(hopper)
+    command_line.command(scenario)

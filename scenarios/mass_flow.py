@@ -10,21 +10,17 @@ along the walls and, as parabolas, through the interior.
 Cost: 4,000 points and about 570,000 steps at the default speed, some five minutes on two cores.
 """
 
-from taichi_silo.cli import command_line, flags
-from taichi_silo.cli.scenario_flags import Controlled
-from taichi_silo.scene.silo import Silo
+from taichi_silo.cli import command_line
+from taichi_silo.cli.scenario import CONTROLLED, SILO, silo_scenario
+from taichi_silo.scene.scene import Scene
 
-
-def mass_flow(
-    width: flags.WidthFlag = 0.2,
-    height: flags.HeightFlag = 0.5,
-    section: flags.SectionFlag = "plane",
-    common: Controlled = None,
-):
-    """Lower the bottom of a silo with parallel walls and record forces, wall stresses and shear zones."""
-    silo = Silo(width_m=width, height_m=height, section=section, half=common.half)
-    common.run(silo, "mass_flow" if section == "plane" else "round_mass_flow")
+scenario = silo_scenario(
+    "Lower the bottom of a silo with parallel walls and record forces, wall stresses and shear zones.",
+    scene=Scene(),
+    paths=(*SILO, *CONTROLLED),
+    name=lambda scene: "mass_flow" if scene.silo.section == "plane" else "round_mass_flow",
+)
 
 
 if __name__ == "__main__":
-    command_line.command(mass_flow)
+    command_line.command(scenario)

@@ -12,26 +12,18 @@ wall and fall below it.
 Cost: that of mass flow (4,000 points and about 570,000 steps, some two minutes on two cores).
 """
 
-from taichi_silo.cli import command_line, flags
-from taichi_silo.cli.scenario_flags import Controlled
+from taichi_silo.cli import command_line
+from taichi_silo.cli.scenario import CONTROLLED, OUTLET, SILO, silo_scenario
+from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.silo import Outlet, Silo
 
-
-def outlet(
-    outlet_width: flags.OutletFlag = 0.08,
-    outlet_position: flags.PositionFlag = "centre",
-    width: flags.WidthFlag = 0.2,
-    height: flags.HeightFlag = 0.5,
-    section: flags.SectionFlag = "plane",
-    common: Controlled = None,
-):
-    """Let sand flow through an outlet at a given speed and record forces, wall stresses and shear zones."""
-    silo = Silo(
-        width_m=width, height_m=height, section=section, half=common.half,
-        outlet=Outlet(width_m=outlet_width, position=outlet_position),
-    )  # fmt: skip
-    common.run(silo, f"outlet_{outlet_position}_{1e3 * outlet_width:g}mm")
+scenario = silo_scenario(
+    "Let sand flow through an outlet at a given speed and record forces, wall stresses and shear zones.",
+    scene=Scene(silo=Silo(outlet=Outlet(width_m=0.08))),
+    paths=(*OUTLET, *SILO, *CONTROLLED),
+    name=lambda scene: f"outlet_{scene.silo.outlet.position}_{1e3 * scene.silo.outlet.width_m:g}mm",
+)
 
 
 if __name__ == "__main__":
-    command_line.command(outlet)
+    command_line.command(scenario)

@@ -3,9 +3,13 @@
 The study itself is `validation.biaxial`.
 """
 
-import runpy
 import sys
 from pathlib import Path
 
+from taichi_silo.cli import command_line
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-runpy.run_module("validation.biaxial", run_name=__name__)
+from validation.biaxial.__main__ import plane_strain_compression as scenario  # noqa: E402
+
+if __name__ == "__main__":
+    command_line.command(scenario)

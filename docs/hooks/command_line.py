@@ -1,144 +1,78 @@
-"""The command line in words: every command and every scenario with its flags, from the program's own functions."""
+"""The command line in words: every command and every scenario with its flags, as typer has them."""
 
-import ast
-import importlib
-import inspect
 import re
-import types
 import typing
-from dataclasses import dataclass
 
-import typer
+from typer.main import get_command
 
 KINDS = {"str": "text", "Path": "path", "float": "number", "int": "whole number", "bool": ""}
 CALL = re.compile(r"taichi-silo [^\n]*?(?=,\s*taichi-silo |$)")
 
 
-@dataclass(frozen=True)
-class Flag:
-    """One flag, or one argument.
-
-    Attributes
-    ----------
-    name : of the function's parameter.
-    words : as it is written on the command line.
-    kind : what it takes.
-    default : what holds without it.
-    help : what it means.
-    argument : whether it stands without a name.
-
-    """
-
-    name: str
-    words: str
-    kind: str
-    default: str
-    help: str
-    argument: bool
-
-
 def commands() -> str:
     """All commands."""
-    from taichi_silo.cli import app
+    from taichi_silo.cli import app, command_line
     from taichi_silo.cli.commands.run import scene_file
 
-    found = []
-    for name in app.COMMANDS:
-        module = importlib.import_module(f"taichi_silo.cli.commands.{name}")
-        function = getattr(module, "command", None) or getattr(module, name)
-        found.append(section(f"taichi-silo {name}", scene_file if name == "run" else function))
-    return "\n".join(found)
+    found = dict(get_command(app.make()).commands) | {"run": get_command(command_line.app_of(scene_file))}
+    return "\n".join(section(f"taichi-silo {name}", found[name], found[name].help) for name in app.COMMANDS)
 
 
 def scenarios() -> str:
     """All scenarios; the flags that belong to a silo's run once, before them."""
-    from taichi_silo.cli import catalogue
-    from taichi_silo.cli.flags import GROUPS
-    from taichi_silo.cli.scenario_flags import Controlled, Free
+    from taichi_silo.cli import catalogue, command_line
+    from taichi_silo.cli.scenario import CONTROLLED, shared_names
 
-    functions = {name: of_scenario(catalogue.script(name)) for name in catalogue.scenarios()}
-    shared = set(GROUPS[Controlled].flags)
-    found = [table([flag for flag in flags_of(functions["mass_flow"]) if flag.name in shared])]
-    for name, function in functions.items():
-        kinds = {parameter.annotation for parameter in inspect.signature(function).parameters.values()}
-        hidden = shared if kinds & {Controlled, Free} else frozenset()
-        found.append(section(name, function, f"taichi-silo run {name}", hidden))
+    shared, known, found = set(shared_names(CONTROLLED)), catalogue.scenarios(), []
+    for name in known:
+        command = get_command(command_line.app_of(catalogue.load(name)))
+        of_silo = any(one.name == "explain" for one in command.params)
+        if name == "mass_flow":
+            found.insert(0, table([one for one in command.params if one.name in shared]))
+        words = catalogue.about(name)
+        found.append(section(name, command, words, f"taichi-silo run {name}", shared if of_silo else ()))
     return "\n".join(found)
 
 
-def of_scenario(file):
-    """The function of a scenario's script."""
-    code = file.read_text(encoding="utf-8")
-    known = {"__name__": f"scenario_{file.stem}", "__file__": str(file)}
-    exec(compile(code, str(file), "exec"), known)
-    called = [
-        node.args[0].id
-        for node in ast.walk(ast.parse(code))
-        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "command" and node.args
-    ]
-    function = known[called[-1]]
-    function.__doc__ = known["__doc__"]  # of the script, which says more
-    return function
-
-
-def flags_of(function) -> list[Flag]:
-    """Flags and arguments of a function, groups spread."""
-    from taichi_silo.cli.flags import with_groups
-
-    found = []
-    for name, parameter in inspect.signature(with_groups(function)).parameters.items():
-        if parameter.annotation is typer.Context:
-            continue
-        kind, info = parameter.annotation, None
-        if typing.get_origin(kind) is typing.Annotated:
-            kind, *notes = typing.get_args(kind)
-            infos = [note for note in notes if isinstance(note, (typer.models.OptionInfo, typer.models.ArgumentInfo))]
-            info = infos[-1] if infos else None
-        argument = isinstance(info, typer.models.ArgumentInfo)
-        given = (getattr(info, "default", None), *(getattr(info, "param_decls", None) or ()))  # names, if any
-        names = [one for one in given if isinstance(one, str) and one.startswith("-")] or [usual(name, kind)]
-        words = (info.metavar or name.upper()) if argument else ", ".join(names).replace("/", ", ")
-        help = " ".join((getattr(info, "help", None) or "").split())
-        found.append(Flag(name, words, words_of(kind), default_of(parameter, words), help, argument))
-    return found
-
-
-def usual(name: str, kind) -> str:
-    """A flag's name where the function gives none."""
-    flag = name.replace("_", "-")
-    return f"--{flag}, --no-{flag}" if bool in (kind, *typing.get_args(kind)) else f"--{flag}"
-
-
-def words_of(kind) -> str:
-    """What a flag takes, in words."""
-    origin, inner = typing.get_origin(kind), [one for one in typing.get_args(kind) if one is not type(None)]
-    if origin in (typing.Union, types.UnionType):
-        return words_of(inner[0])
-    if origin is typing.Literal:
-        return " \\| ".join(map(str, inner))
-    if origin is list:
-        return f"{words_of(inner[0])}, repeatable"
-    return KINDS[kind.__name__]
-
-
-def default_of(parameter: inspect.Parameter, words: str) -> str:
-    """What holds without a flag."""
-    value = parameter.default
-    if value is inspect.Parameter.empty:
-        return "must be given"
-    if value is None or value is False:
-        return ""
-    return f"`{words.split(',')[0]}`" if value is True else f"`{value}`"
-
-
-def section(title: str, function, call: str = "", hidden=frozenset()) -> str:
+def section(title: str, command, words: str, call: str = "", hidden=()) -> str:
     """One command: what it does, how it is called, its flags."""
-    shown = [flag for flag in flags_of(function) if flag.name not in hidden]
-    usage = " ".join([call or title, *(flag.words for flag in shown if flag.argument), "[FLAGS]"])
-    lines = [f"## {title}\n", paragraphs(function.__doc__), f"```text\n{usage}\n```\n", table(shown) if shown else ""]
+    shown = [one for one in command.params if one.name not in hidden and one.name != "help"]
+    arguments = [names_of(one)[0] for one in shown if one.param_type_name == "argument"]
+    usage = " ".join([call or title, *arguments, "[FLAGS]"])
+    lines = [f"## {title}\n", paragraphs(words), f"```text\n{usage}\n```\n", table(shown) if shown else ""]
     if hidden:
         lines.append("and the [shared flags](#shared-flags).\n")
     return "\n".join(lines)
+
+
+def table(flags: list) -> str:
+    """Flags and arguments."""
+    rows = ["| flag | value | default | meaning |", "|---|---|---|---|"]
+    for one in flags:
+        names = ", ".join(f"`{name}`{{ .flag }}" for name in names_of(one))
+        taken = one.type_descriptor.annotation
+        choices = typing.get_args(taken) if typing.get_origin(taken) is typing.Literal else ()
+        kind = " | ".join(choices) or KINDS[(typing.get_args(taken) or (taken,))[0].__name__]
+        kind += ", repeatable" if one.multiple or one.nargs < 0 else ""
+        cells = (names, kind, default_of(one), " ".join((one.help or "").split()))
+        rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(rows) + "\n"
+
+
+def names_of(one) -> list[str]:
+    """What is typed for it."""
+    if one.param_type_name == "argument":
+        return [one.metavar or one.name.upper()]
+    return [*one.opts, *one.secondary_opts]
+
+
+def default_of(one) -> str:
+    """What holds without a flag."""
+    if one.required:
+        return "must be given"
+    if one.default is True:
+        return f"`{one.opts[0]}`"
+    return "" if one.default is None or one.default is False else f"`{one.default}`"
 
 
 def paragraphs(text: str) -> str:
@@ -158,12 +92,3 @@ def paragraphs(text: str) -> str:
 def code(lines: list[str]) -> str:
     """Lines as they are typed."""
     return "```console\n" + "\n".join(line.rstrip(" ,.") for line in lines) + "\n```"
-
-
-def table(flags: list[Flag]) -> str:
-    """Flags and arguments."""
-    rows = ["| flag | value | default | meaning |", "|---|---|---|---|"]
-    for flag in flags:
-        names = ", ".join(f"`{name.strip()}`{{ .flag }}" for name in flag.words.split(","))
-        rows.append(f"| {names} | {flag.kind} | {flag.default} | {flag.help.replace('|', chr(92) + '|')} |")
-    return "\n".join(rows) + "\n"

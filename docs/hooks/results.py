@@ -136,7 +136,7 @@ def verdicts() -> dict[str, int]:
 
 def fidelities() -> str:
     """The named settings with their errors and cost."""
-    known = tomllib.loads((ROOT / "taichi_silo" / "fidelity.toml").read_text(encoding="utf-8"))
+    known = tomllib.loads((ROOT / "taichi_silo" / "scene" / "fidelity.toml").read_text(encoding="utf-8"))
     body = []
     for name, one in known.items():
         settings = one["settings"]

@@ -1,6 +1,11 @@
-"""The scenario scripts, wherever the package is installed: beside it in a checkout, inside it elsewhere."""
+"""The scenario scripts: beside the package in a checkout, inside it where it is installed.
+
+Each says in its docstring what it shows, and holds a function `scenario`, whose parameters are its flags.
+"""
 
 import ast
+import importlib.util
+from collections.abc import Callable
 from pathlib import Path
 
 from taichi_silo.errors import BadInput
@@ -17,12 +22,30 @@ def folder() -> Path:
 
 def scenarios() -> dict[str, str]:
     """Their names, and what each does in a sentence."""
-    found = {}
-    for file in sorted(folder().glob("*.py")):
-        words = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
-        if not file.stem.startswith("_"):
-            found[file.stem] = " ".join(words.split("\n\n")[0].split())
-    return found
+    names = sorted(file.stem for file in folder().glob("*.py"))
+    return {name: " ".join(about(name).split("\n\n")[0].split()) for name in names}
+
+
+def about(name: str) -> str:
+    """What a scenario's script says of it; the script is read, not run."""
+    return ast.get_docstring(ast.parse(script(name).read_text(encoding="utf-8"))) or ""
+
+
+def load(name: str) -> Callable:
+    """The function of a scenario, imported from its script.
+
+    Raises
+    ------
+    BadInput
+        if there is no scenario of this name.
+
+    """
+    file = script(name)
+    spec = importlib.util.spec_from_file_location(f"scenario_{file.stem}", file)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.scenario
 
 
 def script(name: str) -> Path:

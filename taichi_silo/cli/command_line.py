@@ -3,8 +3,9 @@
 import functools
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any, NoReturn
 
 import typer
 from pydantic import ValidationError
@@ -22,30 +23,40 @@ from taichi_silo.utils.schema import one_sentence
 BAD_INPUT, FAILED, STOPPED = 2, 1, 130
 
 
-def command(function: Callable) -> None:
+def command(function: Callable, arguments: Sequence[str] | None = None, name: str | None = None) -> NoReturn:
     """Run a function as a command line: bad input ends with exit code 2, a failed run or machine with 1.
 
-    The function's parameters, typer options, are the flags; an unknown flag is refused with the nearest known one.
+    Parameters
+    ----------
+    function : its parameters, typer options, are the flags.
+    arguments : words of the command line; those of the process if not given.
+    name : how the command is called, for its help; the script's name if not given.
+
     """
-    from taichi_silo.cli.flags import with_groups  # with it come the names of all shapes, and Taichi
+    serve(app_of(function), name or Path(sys.argv[0]).name, arguments)
+
+
+def app_of(function: Callable) -> typer.Typer:
+    """The app of one command, whose flags are the function's parameters."""
+    from taichi_silo.cli.flags import with_method_flags  # with it come the types of the scene, and Taichi
 
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
-    app.command()(with_groups(function))
-    name = sys.argv[0]
-    serve(app, name if name.startswith("taichi-silo") else Path(name).name)
+    app.command()(with_method_flags(function))
+    return app
 
 
-def serve(app: typer.Typer, name: str) -> None:
+def serve(app: typer.Typer, name: str, arguments: Sequence[str] | None = None) -> NoReturn:
     """Run an app of a name; it ends the process with the exit code, after one sentence if something is wrong."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
     for one in app.registered_commands:
         one.callback = _stopping(one.callback)
     try:
-        code = app(standalone_mode=False, prog_name=name) or 0
+        code = app(words, standalone_mode=False, prog_name=name) or 0
         if code == STOPPED:  # typer's own answer to Ctrl-C
             raise KeyboardInterrupt
         sys.exit(code)
     except typer.BadParameter as error:
-        _stop(_bad_flag(error), BAD_INPUT)
+        _stop(_bad_flag(error, words), BAD_INPUT)
     except typer.BadParameter.__base__ as error:  # an unknown flag, a flag without its value
         _stop(error.format_message().rstrip("."), BAD_INPUT)
     except typer.Abort:
@@ -70,7 +81,7 @@ def _stopping(function: Callable) -> Callable:
     """The function; if it was stopped, it says so before typer makes nameless what has stopped it."""
 
     @functools.wraps(function)
-    def call(*args, **kwargs):
+    def call(*args: Any, **kwargs: Any) -> Any:
         try:
             return function(*args, **kwargs)
         except Stopped as stop:
@@ -79,18 +90,18 @@ def _stopping(function: Callable) -> Callable:
     return call
 
 
-def _bad_flag(error: typer.BadParameter) -> str:
+def _bad_flag(error: typer.BadParameter, arguments: Sequence[str]) -> str:
     flag = error.param.opts[0] if error.param is not None else "a flag"
     if not flag.startswith("-"):  # an argument: the message names its value
         message = error.message.removeprefix("Value error, ").rstrip(".")
         return f"{flag}: {message or 'not given; see --help'}"
-    words = " ".join(sys.argv).replace(f"{flag}=", f"{flag} ").split()
+    words = " ".join(arguments).replace(f"{flag}=", f"{flag} ").split()
     given = words[words.index(flag) + 1] if flag in words[:-1] else "not given"
     message = error.message.removeprefix("Value error, ")
     return f"{flag} is {given}; {message[:1].lower()}{message[1:].rstrip('.')}"
 
 
-def _stop(sentence: str, code: int) -> None:
+def _stop(sentence: str, code: int) -> NoReturn:
     sentence = in_one_line(sentence)
     print(f"Error: {sentence}{'' if sentence.endswith('?') else '.'}", file=sys.stderr)
     sys.exit(code)

@@ -1,113 +1,146 @@
-"""Flags that scenarios share, and groups of them: a parameter of a group's type stands for all of its flags."""
+"""Flags made from the typed scene: name, type, default, unit, range and meaning of each come from its field."""
 
 import functools
 import inspect
-from collections.abc import Callable
-from typing import Annotated, NamedTuple
+import typing
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
 from taichi_silo.errors import BadInput
-from taichi_silo.mpm.shapes import SHAPES
-from taichi_silo.mpm.velocity_transfer import TRANSFERS
+from taichi_silo.scene import reference, sands
+from taichi_silo.scene.dotted_paths import annotation, is_number, value
+from taichi_silo.scene.fidelity import STANDARD, fidelities, fidelity
+from taichi_silo.scene.method_options import MethodOptions
+from taichi_silo.scene.scene import Scene
 
-SandFlag = Annotated[
-    str,
-    typer.Option(
-        help="name of a published sand (karlsruhe, karlsruhe-herle, karlsruhe-fine, hochstetten, hostun, hamburg, "
-        "toyoura), or a TOML file with one's own"
-    ),
-]
-LawFlag = Annotated[
-    str,
-    typer.Option(help="auto | gudehus-bauer | intergranular (with memory; auto: where strain turns back)"),
-]
-LengthFlag = Annotated[
-    float | None,
-    typer.Option(help="characteristic length l_c of the non-local law [m]; 3 d50 if not given, 0 for a local law"),
-]
-WeightFlag = Annotated[
-    str, typer.Option(help="of the non-local average: gaussian | exponential (as printed in the paper)")
-]
-ShapeFlag = Annotated[str, typer.Option(help="shape functions: " + " | ".join(SHAPES))]
-ExplainFlag = Annotated[
-    bool, typer.Option("--explain", help="print which parts of the method the scene uses, and why, and stop")
-]
-WidthFlag = Annotated[float, typer.Option(help="of the silo, or its diameter [m]")]
-HeightFlag = Annotated[float, typer.Option(help="of the fill above the floor, or the outlet of a hopper [m]")]
-SectionFlag = Annotated[
-    str, typer.Option(help="plane | round: between parallel walls, or in a cylinder; a hopper is a wedge, or a cone")
-]
-OutletFlag = Annotated[float, typer.Option(help="width of the outlet [m]; its edges in a flat floor lie on the grid")]
-PositionFlag = Annotated[str, typer.Option(help="centre | left | right: in the middle, or beside a wall")]
-MethodFlags = dict  # what a scenario gets for its parameter of this type: the values of MethodOptions
-METHOD_FLAGS = {
-    "transfer": (str, "flip", "grid to points: " + " | ".join(TRANSFERS)),
-    "pic_share": (float, 0.05, "of PIC in each step, with --transfer blend [-]"),
-    "stress_update": (str, "last", "last | first | modified (last, from velocities sent to the nodes once more)"),
-    "filter": (str, "none", "of the stresses: none | null-space (a projection) | smoothing (what the authors used)"),
-    "time_step": (str, "auto", "auto, from the sand's own stiffness, or seconds"),
-    "cfl": (float | None, None, "time step over h / (c + |v|) [-]; the shape's own limit if not given"),
-    "mass_scaling": (float, 1.0, "factor of inertia, not of weight [-]: fewer steps, a faster flow in effect"),
-}
+ENTRIES = {entry.path: entry for entry in reference.entries()}
+NAMES = {  # of flags that are not called as the last part of their path
+    "silo.outlet.width_m": "outlet_width", "silo.outlet.position": "outlet_position",
+    "silo.hopper.friction_angle_deg": "hopper_friction_angle", "silo.inserts.0.width_m": "insert_width",
+    "silo.inserts.0.height_m": "insert_height", "silo.inserts.0.bottom_m": "insert_bottom",
+    "silo.inserts.0.friction_angle_deg": "insert_friction_angle", "walls.friction_angle_deg": "wall_friction_angle",
+    "method.stress_filter": "filter",
+}  # fmt: skip
+OF_FIDELITY = ("grid.cell_size_m", "grid.points_per_cell", "flow.speed_m_per_s")  # what a named fidelity may set
+TIME_STEP, AUTO = "method.time_step_s", "auto"
+NONE: Mapping[str, str] = {}
+METHOD = tuple(f"method.{name}" for name in MethodOptions.model_fields)
 
 
-class Group(NamedTuple):
-    """Flags (kind, default, help) by name, and what makes one value of theirs."""
+def name_of(path: str) -> str:
+    """The parameter, and so the flag, of a value of the scene: the end of its path without its unit."""
+    *tables, last = path.split(".")
+    if path in NAMES or last != "kind":
+        return NAMES.get(path, last.removesuffix("_" + _unit_suffix(last)))
+    return last if is_number(tables[-1]) else tables[-1]  # the kind of the walls is --walls
 
-    flags: dict[str, tuple]
-    build: Callable[[dict], object]
+
+def _unit_suffix(name: str) -> str:
+    return next((end for end in reference.UNITS if name.endswith(f"_{end}")), "")
 
 
-def method(values: dict) -> dict:
-    """The values of MethodOptions, from those of METHOD_FLAGS."""
-    found = {name: values[name] for name in METHOD_FLAGS}
-    found["stress_filter"] = found.pop("filter")
-    found["time_step_s"] = _seconds(found.pop("time_step"))
+def kind_of(path: str) -> Any:
+    """What a flag takes: a number or text; what text may be is said by the scene's types."""
+    if path == TIME_STEP:
+        return str
+    inner = typing.get_args(annotation(path)) or (annotation(path),)
+    kind = next((one for one in (int, float) if one in inner and not ENTRIES[path].choices), str)
+    return kind | None if default_of(Scene(), path) is None else kind
+
+
+def default_of(scene: Scene, path: str) -> Any:
+    """What a flag is without being given; None where that depends on other things."""
+    if path == TIME_STEP:
+        return AUTO
+    if path in OF_FIDELITY or path == "machine.threads":
+        return None
+    return value(scene, path)
+
+
+def option(path: str, note: str = "") -> Any:
+    """Type and help of the flag of a value of the scene, for the signature of a command."""
+    entry = ENTRIES[path]
+    words = f"{' | '.join(entry.choices)}: {entry.meaning}" if entry.choices else entry.meaning
+    words = words.replace("if absent", "if auto" if path == TIME_STEP else "if not given")
+    about = (words, f"[{entry.unit}]" if entry.unit else "", f"({entry.limits})" if entry.limits else "")
+    if path in OF_FIDELITY:
+        note = f"; {fidelity(STANDARD).settings.get(path, entry.default):g} in {STANDARD} fidelity"
+    return Annotated[kind_of(path), typer.Option(help=" ".join(filter(None, about)) + note)]
+
+
+def parameters(scene: Scene, paths: Iterable[str], notes: Mapping[str, str] = NONE) -> list[inspect.Parameter]:
+    """Parameters of a command that are flags of values of the scene; notes end the help of some."""
+    return [
+        inspect.Parameter(name_of(path), inspect.Parameter.KEYWORD_ONLY, default=default_of(scene, path),
+                          annotation=option(path, notes.get(path, "")))
+        for path in paths
+    ]  # fmt: skip
+
+
+def given(values: dict[str, Any], paths: Iterable[str]) -> dict[str, Any]:
+    """Values by dotted path of flags that were given or have a default.
+
+    Raises
+    ------
+    BadInput
+        if the time step is neither a number nor "auto".
+
+    """
+    found = {path: values[name_of(path)] for path in paths if values.get(name_of(path)) is not None}
+    word = found.get(TIME_STEP)
+    if word == AUTO:
+        del found[TIME_STEP]
+    elif word is not None:
+        try:
+            found[TIME_STEP] = float(word)
+        except ValueError as error:
+            raise BadInput(f"time step is {word}; it must be auto, or a number of seconds above 0") from error
     return found
 
 
-GROUPS = {MethodFlags: Group(METHOD_FLAGS, method)}
+class MethodFlags(dict):
+    """Values of MethodOptions by their names: a parameter of this type stands for all of their flags."""
 
 
-def with_groups(function: Callable) -> Callable:
-    """The function, each parameter of which that has the type of a group spread into its flags."""
+def with_method_flags(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function, its parameter of type `MethodFlags`, if it has one, spread into the flags of the method."""
     signature = inspect.signature(function)
-    groups = {p.name: GROUPS[p.annotation] for p in signature.parameters.values() if p.annotation in GROUPS}
-    if not groups:
+    group = next((p.name for p in signature.parameters.values() if p.annotation is MethodFlags), None)
+    if group is None:
         return function
-    only = inspect.Parameter.KEYWORD_ONLY
-    flags = [
-        inspect.Parameter(flag, only, default=default, annotation=_annotation(kind, words))
-        for group in groups.values()
-        for flag, (kind, default, words) in group.flags.items()
-    ]
-    others = [p.replace(kind=only) for p in signature.parameters.values() if p.name not in groups]
+    others = [p for p in signature.parameters.values() if p.name != group]
 
-    @functools.wraps(function)
-    def spread(**values):
-        own = {p.name: values[p.name] for p in others}
-        return function(**own, **{name: group.build(values) for name, group in groups.items()})
+    def spread(**values: Any) -> Any:
+        own = {path.removeprefix("method."): one for path, one in given(values, METHOD).items()}
+        return function(**{p.name: values[p.name] for p in others}, **{group: own})
 
-    spread.__signature__ = signature.replace(parameters=others + flags)
-    spread.__annotations__ = {p.name: p.annotation for p in others + flags}
-    return spread
+    return with_parameters(functools.wraps(function)(spread), [*others, *parameters(Scene(), METHOD)])
 
 
-def _annotation(kind, words):
-    """Of a flag: its kind, with its help, or a tuple of its names and its help; a kind with a help of its own."""
-    if not words:
-        return kind
-    if isinstance(words, str):
-        return Annotated[kind, typer.Option(help=words)]
-    *names, text = words
-    return Annotated[kind, typer.Option(*names, help=text)]
+def with_parameters(function: Callable[..., Any], found: list[inspect.Parameter]) -> Callable[..., Any]:
+    """The function of keywords, which says that it has these parameters."""
+    keywords = [one.replace(kind=inspect.Parameter.KEYWORD_ONLY) for one in found]
+    function.__signature__ = inspect.Signature(keywords)  # type: ignore[attr-defined]
+    function.__annotations__ = {one.name: one.annotation for one in keywords}
+    return function
 
 
-def _seconds(word: str) -> float | None:
-    if word == "auto":
-        return None
-    try:
-        return float(word)
-    except ValueError as error:
-        raise BadInput(f"time step is {word}; it must be auto, or a number of seconds above 0") from error
+SandFlag = Annotated[
+    str, typer.Option(help=f"name of a published sand ({', '.join(sands.published())}), or a TOML file with one's own")
+]
+LawFlag = option("sand.law")
+LengthFlag = option("averaging.characteristic_length_m")
+WeightFlag = option("averaging.weight")
+ShapeFlag = option("grid.shape")
+FidelityFlag = Annotated[
+    str, typer.Option(help=f"{' | '.join(fidelities())}: cell size and speed where they are not given")
+]
+OutputFlag = Annotated[Path | None, typer.Option(help="folder of the run; outputs/... if not given")]
+OverwriteFlag = Annotated[bool, typer.Option("--overwrite", help="replace a run in the output folder")]
+FilmFlag = Annotated[bool, typer.Option(help="draw void_ratio.mp4")]
+ExplainFlag = Annotated[
+    bool, typer.Option("--explain", help="print which parts of the method the scene uses, and why, and stop")
+]

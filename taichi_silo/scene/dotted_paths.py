@@ -1,12 +1,14 @@
-"""Settings by dotted path: which the scene knows, and a scene with some of them changed.
+"""Values of a scene by dotted path, such as `flow.speed_m_per_s`: their fields, and scenes with other values.
 
 A path leads through tables that a scene may lack, as `silo.outlet.width_m` does, and by number through lists, as
-`silo.inserts.0.width_m` does. A setting makes the tables on its way.
+`silo.inserts.0.width_m` does. Setting a value makes the tables on its way.
 """
 
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
 
+from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from taichi_silo.errors import BadInput
@@ -18,17 +20,63 @@ MOST_DIGITS = 6  # of the number of an entry in a path
 OUTSIDE = ("precision", "nudge")  # no part of the scene: of the process, and of the start
 
 
+class Place(NamedTuple):
+    """One table or value of a scene.
+
+    Attributes
+    ----------
+    path : dotted; the first entry of a list stands for all.
+    field : its type, default, range and description.
+    table : type of the table that stands here; None if it is a value.
+    optional : whether it belongs to a table that a scene may lack, and lacks by default.
+
+    """
+
+    path: str
+    field: FieldInfo
+    table: type[Options] | None
+    optional: bool
+
+
+def places(options: type[Options] = Scene, before: str = "", optional: bool = False) -> Iterator[Place]:
+    """All values of a scene in their order, each table before what stands in it, and values before tables."""
+    inner: list[Place] = []
+    for name, field in options.model_fields.items():
+        table, path = table_in(field.annotation), before + name
+        if table is None:
+            yield Place(path, field, None, optional)
+            continue
+        many = typing.get_origin(field.annotation) is tuple
+        absent = optional or many or type(None) in typing.get_args(field.annotation)
+        path = f"{path}.0" if many else path
+        inner += [Place(path, field, table, absent), *places(table, f"{path}.", absent)]
+    yield from inner
+
+
+def annotation(path: str) -> Any:
+    """The type of what stands at a path; None if a scene has no such path."""
+    kind: Any = Scene
+    for name in path.split("."):
+        many, table = typing.get_origin(kind) is tuple, table_in(kind)
+        if is_number(name):
+            kind = table if many else None
+        else:
+            field = table.model_fields.get(name) if table is not None and not many else None
+            kind = None if field is None else field.annotation
+        if kind is None:
+            return None
+    return kind
+
+
 def known(path: str) -> bool:
     """Whether a path names a value of the scene, or one of `OUTSIDE`."""
-    if path in OUTSIDE:
-        return True
-    kind = _kind(path)
-    return kind is not None and not (isinstance(kind, type) and issubclass(kind, Options))
+    kind = annotation(path)
+    return path in OUTSIDE or (kind is not None and not (isinstance(kind, type) and issubclass(kind, Options)))
 
 
 def whole(path: str) -> bool:
     """Whether the values at a path are whole numbers."""
-    kind = _kind(path)
+    kind = annotation(path)
     return kind is int or int in typing.get_args(kind)
 
 
@@ -39,15 +87,15 @@ def is_number(name: str) -> bool:
 
 def hint(path: str) -> str:
     """The path that was perhaps meant, in words; empty if none is near."""
-    paths = list(_paths(Scene))
+    paths = [place.path for place in places() if place.table is None]
     meant = near(path, paths)
     if not meant:  # another table, or none
         lasts = {one.split(".")[-1]: one for one in reversed(paths)}
-        meant = lasts.get(near(path.split(".")[-1], lasts))
+        meant = lasts.get(near(path.split(".")[-1], lasts) or "")
     return f"; did you mean {meant}?" if meant else ""
 
 
-def changed(scene: Scene, settings: dict) -> Scene:
+def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """The scene with values at dotted paths; those of `OUTSIDE` are passed over.
 
     Raises
@@ -58,57 +106,34 @@ def changed(scene: Scene, settings: dict) -> Scene:
         if the values are not possible.
 
     """
+    return Scene.model_validate(tables_with(scene, values))
+
+
+def tables_with(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a scene with values at dotted paths, not yet checked; those of `OUTSIDE` are passed over.
+
+    Raises
+    ------
+    BadInput
+        if it has no such path.
+
+    """
     tables = scene.model_dump()
-    for path, value in settings.items():
+    for path, value in values.items():
         if path in OUTSIDE:
             continue
         if not known(path):
             raise BadInput(f"setting is {shown(path)}; a scene has no such value{hint(path)}")
         *names, last = path.split(".")
-        table = tables
+        table: Any = tables
         for name in names:
             table = _inside(table, name, path, make=value is not None)
         if table is not None:
             table[last] = value
-    if settings.get("walls.kind") == "very-rough":  # has no friction angle: one that is there is for smooth walls
-        tables["walls"]["friction_angle_deg"] = None
-    return Scene.model_validate(tables)
+    return tables
 
 
-def value(scene: Scene, path: str):
-    """What a scene has at a dotted path; None where it lacks the table."""
-    found = scene
-    for name in path.split("."):
-        if isinstance(found, tuple):
-            found = found[int(name)] if int(name) < len(found) else None
-        else:
-            found = None if found is None else getattr(found, name)
-    return found
-
-
-def default(path: str):
-    """What a scene has at a dotted path without being told; None if it must be told."""
-    *names, last = path.split(".")
-    found = table_in(_kind(".".join(names))).model_fields[last].get_default(call_default_factory=True)
-    return None if found is PydanticUndefined else found
-
-
-def _kind(path: str):
-    """The type of what is at a path; None if a scene has no such path."""
-    kind = Scene
-    for name in path.split("."):
-        if is_number(name):
-            kind = table_in(kind) if typing.get_origin(kind) is tuple else None
-        else:
-            table = table_in(kind) if typing.get_origin(kind) is not tuple else None
-            field = table.model_fields.get(name) if table is not None else None
-            kind = None if field is None else field.annotation
-        if kind is None:
-            return None
-    return kind
-
-
-def _inside(table, name: str, path: str, make: bool):
+def _inside(table: Any, name: str, path: str, make: bool) -> Any:
     """What stands under a name of a table or a number of a list; if it is to be made, also where there was nothing."""
     if table is None:
         return None
@@ -125,11 +150,21 @@ def _inside(table, name: str, path: str, make: bool):
     return table.get(name)
 
 
-def _paths(table: type[Options], before: str = "") -> Iterator[str]:
-    """All paths of values; the first of a list stands for all."""
-    for name, field in table.model_fields.items():
-        inner, path = table_in(field.annotation), before + name
-        if inner is None:
-            yield path
+def value(scene: Any, path: str) -> Any:
+    """What a scene has at a dotted path; None where it lacks the table."""
+    found = scene
+    for name in path.split("."):
+        if isinstance(found, tuple):
+            found = found[int(name)] if int(name) < len(found) else None
         else:
-            yield from _paths(inner, f"{path}.0." if typing.get_origin(field.annotation) is tuple else f"{path}.")
+            found = None if found is None else getattr(found, name)
+    return found
+
+
+def default(path: str) -> Any:
+    """What a scene has at a dotted path without being told; None if it must be told."""
+    parent, _, last = path.rpartition(".")
+    table = table_in(annotation(parent)) if parent else Scene
+    assert table is not None, path
+    found = table.model_fields[last].get_default(call_default_factory=True)
+    return None if found is PydanticUndefined else found

@@ -7,12 +7,14 @@ from taichi_silo.errors import BadInput
 from taichi_silo.utils.schema import Options
 
 FILE = Path(__file__).with_name("fidelity.toml")
+STANDARD = "standard"  # the one whose values are the defaults of a scene
 
 
 class Fidelity(Options):
     """Values at dotted paths of the scene; errors against the chart's reference, and its cost, if they were measured.
 
-    The errors are those of `taichi_silo.chart.errors`, relative; the cost is that of the chart's scene [core-seconds].
+    The errors are those of `validation.accuracy.errors`, relative; the cost is that of the chart's scene
+    [core-seconds].
     """
 
     settings: dict[str, float | int | str]
@@ -23,11 +25,6 @@ class Fidelity(Options):
     error_zone: float | None = None
     cost_core_seconds: float | None = None
     reference: str | None = None
-
-    def values(self, table: str, **given) -> dict:
-        """Of one table of the scene, such as "grid"; values that are given and not None come first."""
-        own = {path.split(".")[1]: value for path, value in self.settings.items() if path.split(".")[0] == table}
-        return own | {name: value for name, value in given.items() if value is not None}
 
     def words(self) -> str:
         """What was measured, in a sentence."""

@@ -13,19 +13,17 @@ from taichi_silo.utils.schema import Options
 class Insert(Options):
     """A body inside the sand, across the whole silo: a roof (a triangle on its base), a cylinder, or any polygon."""
 
-    kind: Literal["roof", "cylinder", "polygon"] = Field(description="of body")
-    width_m: float | None = Field(None, ge=1e-4, le=1000, description="of the roof's base; diameter of the cylinder")
-    height_m: float | None = Field(
-        None, ge=1e-4, le=1000, description="of a roof above its base; as high as wide if absent"
-    )
+    kind: Literal["roof", "cylinder", "polygon"] = Field(description="kind of body")
+    width_m: float | None = Field(None, ge=1e-4, le=1000, description="width of the roof's base, or diameter")
+    height_m: float | None = Field(None, ge=1e-4, le=1000, description="height of a roof; as high as wide if absent")
     bottom_m: float | None = Field(
-        None, gt=0, le=1000, description="lowest place above the floor, of a roof or cylinder"
+        None, gt=0, le=1000, description="lowest place of a roof or cylinder above the floor"
     )
-    position_m: float | None = Field(None, gt=0, le=1000, description="of its middle; that of the silo if absent")
+    position_m: float | None = Field(None, gt=0, le=1000, description="x of its middle; the silo's if absent")
     corners_m: polygons.Corners | None = Field(
-        None, max_length=polygons.MOST_CORNERS, description="of a polygon: pairs of x and y, in any sense"
+        None, max_length=polygons.MOST_CORNERS, description="corners (x, y) of a polygon, in any sense"
     )
-    friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="that of the side walls if absent")
+    friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="of its surface; the walls' if absent")
 
     @model_validator(mode="after")
     def _complete(self):

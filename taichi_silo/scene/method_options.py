@@ -16,15 +16,21 @@ Shape = Literal[tuple(SHAPES)]
 class MethodOptions(Options):
     """Transfer, order of the step, filter and time step; the defaults are what the stability map recommends."""
 
-    transfer: Literal[tuple(TRANSFERS)] = Field("flip", description="of velocity from grid to points")
-    pic_share: float = Field(0.05, ge=0, le=1, description="of transfer blend, in each step")
-    stress_update: Literal[STRESS_UPDATES] = Field("last", description="when in the step")
-    stress_filter: Literal[tuple(FILTERS)] = Field("none", description="of the stresses, after each step")
-    time_step_s: float | None = Field(None, ge=1e-9, le=1, description="from the law's stiffness if absent")
-    cfl: float | None = Field(
-        None, ge=1e-4, le=2, description="time step over h / (c + |v|); the shape's own if absent"
+    transfer: Literal[tuple(TRANSFERS)] = Field("flip", description="how velocities go from grid to points")
+    pic_share: float = Field(0.05, ge=0, le=1, description="share of PIC in each step, with transfer blend")
+    stress_update: Literal[STRESS_UPDATES] = Field(
+        "last", description="when stresses are updated; modified: last, from velocities sent to the nodes once more"
     )
-    mass_scaling: float = Field(1.0, ge=1, le=1e6, description="factor of inertia, not of weight")
+    stress_filter: Literal[tuple(FILTERS)] = Field(
+        "none", description="filter of the stresses after each step; smoothing is what the paper's authors used"
+    )
+    time_step_s: float | None = Field(None, ge=1e-9, le=1, description="time step; from the sand's stiffness if absent")
+    cfl: float | None = Field(
+        None, ge=1e-4, le=2, description="time step over h / (c + |v|); the shape's own limit if absent"
+    )
+    mass_scaling: float = Field(
+        1.0, ge=1, le=1e6, description="factor of inertia, not of weight: fewer steps, a faster flow"
+    )
 
     @model_validator(mode="after")
     def _goes_together(self):

@@ -5,17 +5,25 @@ import re
 import types
 import typing
 from dataclasses import dataclass
+from typing import Any
 
 import tomli_w
 
-from taichi_silo.scene.scene import Scene
-from taichi_silo.utils.schema import Options, table_in
+from taichi_silo.scene.dotted_paths import Place, places
 
 UNITS = {
     "kg_per_m3": "kg/m³", "m_per_s2": "m/s²", "m_per_s": "m/s", "m2": "m²", "deg": "°", "Pa": "Pa", "m": "m", "s": "s",
 }  # fmt: skip
 SAND_ITSELF = ("name", "void_ratio", "law")  # of a sand, beside its constants
 SIGNS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}
+WORDS = {"float": "number", "int": "whole number", "str": "text", "bool": "true | false"}
+
+
+class _Required(enum.Enum):
+    REQUIRED = "required"
+
+
+REQUIRED = _Required.REQUIRED
 
 
 @dataclass(frozen=True)
@@ -24,7 +32,8 @@ class Entry:
 
     Attributes
     ----------
-    path : dotted; `silo.inserts[].kind` of each entry of a list of tables.
+    path : dotted; `silo.inserts.0.kind` stands for each entry of a list of tables.
+    choices : the words that it may be; empty if it is no choice.
     kind : words for its type, with the choices.
     unit : empty if it has none.
     limits : such as "> 0, ≤ 5"; empty if there are none.
@@ -35,59 +44,49 @@ class Entry:
     """
 
     path: str
+    choices: tuple[str, ...]
     kind: str
     unit: str
     limits: str
-    default: object
+    default: Any
     meaning: str
     optional: bool
 
-    @property
-    def default_words(self) -> str:
-        """As TOML writes it."""
-        if self.default is REQUIRED:
-            return "must be given"
-        return "absent" if self.default is None else written(self.default)
-
-
-class _Required(enum.Enum):
-    REQUIRED = "required"
-
-
-REQUIRED = _Required.REQUIRED
-
-
-def entries(table: type[Options] = Scene, before: str = "", optional: bool = False) -> list[Entry]:
-    """All values of a table, in its order; those of its own tables last."""
-    values, tables = [], []
-    for name, field in table.model_fields.items():
-        inner = table_in(field.annotation)
-        path = f"{before}{name}"
-        if inner is not None:
-            many = typing.get_origin(field.annotation) is tuple
-            absent = optional or many or type(None) in typing.get_args(field.annotation)
-            tables += entries(inner, f"{path}{'[]' if many else ''}.", absent)
-            continue
-        unit = next((UNITS[end] for end in UNITS if name.endswith(f"_{end}")), "")
+    @classmethod
+    def of(cls, place: Place) -> "Entry":
+        """Of the field of a value."""
+        field = place.field
         rules = [(SIGNS[key], getattr(rule, key)) for key in SIGNS for rule in field.metadata if hasattr(rule, key)]
-        limits = ", ".join(f"{sign} {limit:g}" for sign, limit in rules)
-        default = REQUIRED if field.is_required() else field.get_default(call_default_factory=True)
-        meaning = " ".join((field.description or "").split())
-        values.append(Entry(path, _kind(field.annotation), unit, limits, default, meaning, optional))
-    return values + tables
+        return cls(
+            path=place.path, choices=_choices(field.annotation), kind=_kind(field.annotation),
+            unit=next((UNITS[end] for end in UNITS if place.path.endswith(f"_{end}")), ""),
+            limits=", ".join(f"{sign} {limit:g}" for sign, limit in rules),
+            default=REQUIRED if field.is_required() else field.get_default(call_default_factory=True),
+            meaning=" ".join((field.description or "").split()), optional=place.optional,
+        )  # fmt: skip
+
+    @property
+    def name(self) -> str:
+        """The last part of the path."""
+        return self.path.rpartition(".")[2]
+
+    @property
+    def given(self) -> bool:
+        """Whether there is a default."""
+        return self.default is not None and self.default is not REQUIRED
 
 
-def tables_of(table: type[Options] = Scene, before: str = "") -> dict[str, str]:
-    """Names of the tables, and what each is."""
-    found = {}
-    for name, field in table.model_fields.items():
-        inner = table_in(field.annotation)
-        if inner is not None:
-            many = typing.get_origin(field.annotation) is tuple
-            path = f"{before}{name}{'[]' if many else ''}"
-            found[path] = " ".join(re.split(r"\n\s*\n", inner.__doc__)[0].split())
-            found |= tables_of(inner, f"{path}.")
-    return found
+def entries() -> list[Entry]:
+    """All values of a scene, table after table."""
+    return [Entry.of(place) for place in places() if place.table is None]
+
+
+def tables_of() -> dict[str, str]:
+    """Paths of the tables, and what each is."""
+    return {
+        place.path: " ".join(re.split(r"\n\s*\n", place.table.__doc__ or "")[0].split())
+        for place in places() if place.table is not None
+    }  # fmt: skip
 
 
 def template() -> str:
@@ -97,12 +96,11 @@ def template() -> str:
         optional = "# " if found[0].optional else ""
         lines += ["", f"# {tables_of()[table]}", f"{optional}{_header(table)}"]
         for entry in found:
-            name, given = entry.path.rpartition(".")[2], entry.default not in (None, REQUIRED)
-            named = table == "sand" and name not in SAND_ITSELF  # a constant follows from the sand's name
+            named = table == "sand" and entry.name not in SAND_ITSELF  # a constant follows from the sand's name
             about = (f"[{entry.unit}]" if entry.unit else "", entry.kind, entry.limits, entry.meaning)
-            value = written(entry.default) if given else "..."
-            off = optional if given and not named else "# "
-            lines.append(f"{off}{name} = {value}  # {'; '.join(filter(None, about))}")
+            value = written(entry.default) if entry.given else "..."
+            off = optional if entry.given and not named else "# "
+            lines.append(f"{off}{entry.name} = {value}  # {'; '.join(filter(None, about))}")
     return "\n".join(lines) + "\n"
 
 
@@ -113,29 +111,38 @@ def markdown() -> str:
         lines += ["", f"## `{_header(table)}`", "", tables_of()[table], ""]
         lines += ["| name | type | unit | range | default | meaning |", "|---|---|---|---|---|---|"]
         for entry in found:
-            default = entry.default_words if entry.default in (None, REQUIRED) else f"`{entry.default_words}`"
-            cells = (f"`{entry.path.rpartition('.')[2]}`", entry.kind, entry.unit, entry.limits, default, entry.meaning)
+            absent = "must be given" if entry.default is REQUIRED else "absent"
+            default = f"`{written(entry.default)}`" if entry.given else absent
+            cells = (f"`{entry.name}`", entry.kind, entry.unit, entry.limits, default, entry.meaning)
             lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(lines).strip() + "\n"
 
 
 def _by_table() -> dict[str, list[Entry]]:
-    found = {}
+    found: dict[str, list[Entry]] = {}
     for entry in entries():
         found.setdefault(entry.path.rpartition(".")[0], []).append(entry)
     return found
 
 
 def _header(table: str) -> str:
-    return f"[[{table.removesuffix('[]')}]]" if table.endswith("[]") else f"[{table}]"
+    return f"[[{table.removesuffix('.0')}]]" if table.endswith(".0") else f"[{table}]"
 
 
-def written(value) -> str:
+def written(value: Any) -> str:
     """A value as TOML writes it."""
     return tomli_w.dumps({"v": value}).removeprefix("v = ").strip()
 
 
-def _kind(annotation) -> str:
+def _choices(annotation: Any) -> tuple[str, ...]:
+    if typing.get_origin(annotation) is typing.Literal:
+        return typing.get_args(annotation)
+    if typing.get_origin(annotation) in (typing.Union, types.UnionType):
+        return tuple(choice for part in typing.get_args(annotation) for choice in _choices(part))
+    return ()
+
+
+def _kind(annotation: Any) -> str:
     """Words for a type."""
     arguments = [part for part in typing.get_args(annotation) if part is not type(None)]
     origin = typing.get_origin(annotation)
@@ -147,4 +154,4 @@ def _kind(annotation) -> str:
         return "list of pairs of numbers" if typing.get_origin(arguments[0]) is tuple else "list"
     if origin is typing.Annotated:
         return _kind(arguments[0])
-    return {"float": "number", "int": "whole number", "str": "text", "bool": "true | false"}[annotation.__name__]
+    return WORDS[annotation.__name__]

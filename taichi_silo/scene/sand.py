@@ -29,11 +29,13 @@ class Sand(Options):
     """Gudehus-Bauer constants; the defaults are the paper's Karlsruhe sand."""
 
     name: str = Field(
-        "karlsruhe", max_length=100, description="in a file that of a published sand stands for all constants not given"
+        "karlsruhe",
+        max_length=100,
+        description="the name of a published sand stands for all constants that are not given",
     )
-    void_ratio: float = Field(0.60, description="initial e, between e_d0 and e_i0")
+    void_ratio: float = Field(0.60, description="initial void ratio, between e_d0 and e_i0")
     law: Literal["auto", "gudehus-bauer", "intergranular"] = Field(
-        "auto", description="intergranular is the one with memory; auto takes it where strain turns back"
+        "auto", description="law; intergranular is the one with memory, which auto takes where strain turns back"
     )
     critical_friction_angle_deg: float = Field(30.0, ge=5, le=85, description="phi_c")
     granular_hardness_Pa: float = Field(190e6, ge=1e5, le=1e12, description="h_s")

@@ -37,12 +37,12 @@ class Walls(Options):
     """Side walls; the bottom plate is smooth unless told otherwise."""
 
     kind: Literal["smooth", "very-rough"] = Field(
-        "very-rough", description="with Coulomb friction, or so rough that sand does not slip on them"
+        "very-rough", description="walls with Coulomb friction, or so rough that sand does not slip on them"
     )
     friction_angle_deg: float | None = Field(
-        None, ge=0, lt=90, description="between sand and smooth walls, which need it; very rough walls have none"
+        None, ge=0, lt=90, description="between sand and smooth walls, which need it"
     )
-    bottom_friction_angle_deg: float = Field(0.0, ge=0, lt=90, description="of the bottom plate or floor")
+    bottom_friction_angle_deg: float = Field(0.0, ge=0, lt=90, description="of the bottom plate or floor, against sand")
 
     @model_validator(mode="after")
     def _friction(self):
@@ -63,9 +63,9 @@ class Mesh(Options):
     """Background grid and points."""
 
     cell_size_m: float = Field(
-        0.005, ge=1e-5, le=100, description="divides width and height, and the edges of an outlet"
+        0.005, ge=1e-5, le=100, description="size of a cell of the grid; it divides width and height"
     )
-    points_per_cell: int = Field(1, description="a square number: 1, 4, 9, ...")
+    points_per_cell: int = Field(1, description="points in a cell at the start, a square number: 1, 4, 9, ...")
     shape: Shape = Field("ugimp", description="shape functions")
 
     @field_validator("points_per_cell")
@@ -82,16 +82,16 @@ class Flow(Options):
     """Outflow: the bottom, or a gate in the outlet, sinks at a speed, or the sand falls out by its weight."""
 
     outflow: Literal["controlled", "gravity"] = Field(
-        "controlled", description="at a given speed of the bottom or gate, or free"
+        "controlled", description="the bottom or gate sinks at a given speed, or the sand falls out by its weight"
     )
-    speed_m_per_s: float = Field(0.002, ge=1e-9, le=1, description="of the bottom or gate; without meaning for gravity")
+    speed_m_per_s: float = Field(
+        0.002, ge=1e-9, le=1, description="speed of the bottom or gate, without meaning for gravity"
+    )
     displacement_m: float = Field(
         0.02, ge=1e-9, le=1000,
-        description="of the bottom or gate at the end; for gravity of a gate that lets out as much",
+        description="how far the bottom or gate sinks; for gravity that of a gate which lets out as much",
     )  # fmt: skip
-    longest_s: float = Field(
-        10.0, ge=1e-6, le=1e6, description="for gravity: the end if the flow has not stopped before"
-    )
+    longest_s: float = Field(10.0, ge=1e-6, le=1e6, description="time of free outflow after which a run ends")
 
     @property
     def turns_back(self) -> bool:
@@ -107,19 +107,25 @@ class Filling(Options):
     """
 
     kind: Literal["gravity-ramp", "layers", "rain"] = Field(
-        "gravity-ramp", description="all sand in place while its weight grows; one layer after the other; falling rows"
+        "gravity-ramp",
+        description="all sand in place while its weight grows, one layer after the other, or falling rows",
     )
-    layers: int = Field(20, ge=1, le=1000, description="their number")
-    drop_m: float = Field(0.02, ge=0, le=1000, description="height of fall of rain")
+    layers: int = Field(20, ge=1, le=1000, description="number of layers, where sand is filled in by them")
+    drop_m: float = Field(0.02, ge=0, le=1000, description="height of fall, where sand is filled in by rain")
 
 
 class Averaging(Options):
     """Non-local mean of the norm of the strain rate in the law's non-linear part."""
 
     characteristic_length_m: float | None = Field(
-        None, ge=0, le=1000, description="l_c; 3 d50 if absent, 0 for a local law"
+        None,
+        ge=0,
+        le=1000,
+        description="characteristic length of the non-local law; 3 d50 if absent, 0 for a local law",
     )
-    weight: Literal["gaussian", "exponential"] = Field("gaussian", description="of neighbours")
+    weight: Literal["gaussian", "exponential"] = Field(
+        "gaussian", description="weight of neighbours; the paper prints exponential"
+    )
 
     def length_m(self, sand: Sand) -> float:
         """l_c: as given, or three mean grain diameters."""
@@ -161,13 +167,15 @@ class Method(MethodOptions):
     """How it is computed."""
 
     noise_control: Literal["column", "none"] = Field(
-        "column", description="force against swings of the column, none in steady flow; see noise.py"
+        "column", description="drag against swings of the column, without force in steady flow; none: the paper's"
     )
-    gravity_m_per_s2: float = Field(9.81, ge=0.01, le=1e4, description="g")
+    gravity_m_per_s2: float = Field(9.81, ge=0.01, le=1e4, description="acceleration of gravity")
     filling_time_s: float = Field(
-        0.5, ge=1e-6, le=1e5, description="of the increase of weight; at least 12 column periods"
+        0.5, ge=1e-6, le=1e5, description="time in which the weight grows; at least 12 periods of the column"
     )
-    longest_settling_s: float = Field(1.0, ge=0, le=1e5, description="or 20 column periods, if longer")
+    longest_settling_s: float = Field(
+        1.0, ge=0, le=1e5, description="longest wait for rest after filling; or 20 periods of the column, if longer"
+    )
 
 
 class Output(Options):
@@ -175,10 +183,13 @@ class Output(Options):
 
     records_per_period: int = Field(10, ge=4, le=100, description="rows of forces.csv in one period of the column")
     snapshots: int | None = Field(
-        None, ge=0, le=10_000, description="over the flow; 100 if absent, or fewer of more than 100,000 points"
+        None,
+        ge=0,
+        le=10_000,
+        description="states of all points over the flow; 100 if absent, or fewer of more than 100,000 points",
     )
     checkpoint_s: float = Field(
-        120.0, ge=0.01, le=86_400, description="between two checkpoints, by the clock: what a crash may cost"
+        120.0, ge=0.01, le=86_400, description="time by the clock between two checkpoints: what a crash may cost"
     )
 
 
@@ -186,7 +197,9 @@ class Machine(Options):
     """Where it is computed."""
 
     arch: Literal["cpu", "cuda"] = Field("cpu", description="processor, or graphics card of Nvidia")
-    threads: int = Field(default_factory=lambda: min(2, cores()), ge=1, description="of the processor")
+    threads: int = Field(
+        default_factory=lambda: min(2, cores()), ge=1, description="threads of the processor; up to 2 if absent"
+    )
     lanes: bool = Field(True, description="eight points at once on the CPU's vector unit, where that can be trusted")
 
     @field_validator("threads")

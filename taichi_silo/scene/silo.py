@@ -24,29 +24,31 @@ __all__ = ["Hopper", "Insert", "Outlet", "Silo"]
 class Outlet(Options):
     """An opening of the flat floor; without it the whole floor is the outlet."""
 
-    width_m: float = Field(ge=1e-4, le=1000, description="of the opening")
+    width_m: float = Field(ge=1e-4, le=1000, description="width of the opening; its edges lie on grid lines")
     position: Literal["centre", "left", "right"] | float = Field(
-        "centre", description="in the floor: centre | left | right, or x of its middle [m]"
+        "centre", description="where in the floor: in its middle, beside a wall, or x of the middle of the opening [m]"
     )
 
 
 class Hopper(Options):
     """Walls that converge towards an outlet, which is as wide as their lower ends are apart."""
 
-    half_angle_deg: float = Field(ge=0.1, lt=80, description="of the walls, from the vertical")
-    outlet_width_m: float = Field(ge=1e-4, le=1000, description="of the opening between their lower ends")
-    friction_angle_deg: float | None = Field(None, ge=0, lt=90, description="that of the side walls if absent")
+    half_angle_deg: float = Field(ge=0.1, lt=80, description="half angle of the walls, from the vertical")
+    outlet_width_m: float = Field(ge=1e-4, le=1000, description="width of the opening between their lower ends")
+    friction_angle_deg: float | None = Field(
+        None, ge=0, lt=90, description="of the hopper's walls; that of the side walls if absent"
+    )
 
 
 class Silo(Options):
     """Two parallel walls, or a round one, with what closes it below; forces are per metre run (of the wall's girth)."""
 
-    width_m: float = Field(0.2, ge=0.001, le=1000, description="or diameter")
+    width_m: float = Field(0.2, ge=0.001, le=1000, description="width between the walls, or diameter of a round silo")
     height_m: float = Field(0.5, ge=0.001, le=1000, description="height of the fill above the floor, a hopper included")
     section: Literal["plane", "round"] = Field(
         "plane", description="between parallel walls, or a cylinder about the middle; a hopper is a wedge, or a cone"
     )
-    half: Literal["auto", "yes", "no"] = Field("auto", description="compute one half and mirror it")
+    half: Literal["auto", "yes", "no"] = Field("auto", description="compute one half of a symmetric silo and mirror it")
     outlet: Outlet | None = None
     hopper: Hopper | None = None
     outline_m: polygons.Corners | None = Field(

@@ -1,6 +1,5 @@
 """Every command line in the pages is one that the program takes."""
 
-import inspect
 import shlex
 import sys
 
@@ -9,9 +8,8 @@ import typer
 from typer.main import get_command
 from written import beside, blocks
 
-from taichi_silo.cli import app, catalogue, scenario_flags
+from taichi_silo.cli import app, catalogue, command_line, scenario
 from taichi_silo.cli.commands.run import scene_file
-from taichi_silo.cli.flags import with_groups
 from taichi_silo.scene.scene import Scene
 
 LINES = [
@@ -23,9 +21,7 @@ LINES = [
 
 
 def command_of(function):
-    program = typer.Typer(add_completion=False)
-    program.command()(with_groups(function))
-    return get_command(program)
+    return get_command(command_line.app_of(function))
 
 
 def parse(command, words):
@@ -33,21 +29,12 @@ def parse(command, words):
         pass
 
 
-def script(name):
-    """The function of a scenario, and its source."""
-    file = catalogue.script(name)
-    source = file.read_text(encoding="utf-8")
-    known = {"__name__": "scenario", "__file__": str(file)}
-    exec(compile(source, str(file), "exec"), known)
-    return known[source.rstrip().rpartition("cli.command(")[2].rstrip(")\n")]
-
-
 @pytest.fixture
 def wanted(monkeypatch):
     """Scenes that scenarios would have run."""
     scenes = []
-    monkeypatch.setattr(scenario_flags, "run", lambda scene, folder, **_: scenes.append(scene) or folder)
-    monkeypatch.setattr(scenario_flags, "tell", lambda *_: None)
+    monkeypatch.setattr(scenario, "run", lambda scene, folder, **_: scenes.append(scene) or folder)
+    monkeypatch.setattr(command_line, "tell", lambda *_: None)
     return scenes
 
 
@@ -64,26 +51,23 @@ def test_a_command_line_is_one_that_the_program_takes(block, words, wanted, tmp_
     if what.endswith(".toml"):
         parse(command_of(scene_file), [what, *rest])
         return
-    function = script(what)
-    monkeypatch.setattr(sys, "argv", ["taichi-silo", *words])
-    kinds = {parameter.annotation for parameter in inspect.signature(function).parameters.values()}
-    if kinds & {scenario_flags.Controlled, scenario_flags.Free}:
-        command_of(function).main(rest, standalone_mode=False)  # values are checked as well
+    command = command_of(catalogue.load(what))
+    if any(one.name == "explain" for one in command.params):  # of a silo
+        command.main(rest, standalone_mode=False)  # values are checked as well
         assert "--explain" in rest or isinstance(wanted[0], Scene)
     else:
-        parse(command_of(function), rest)
+        parse(command, rest)
 
 
 def test_a_flag_that_does_not_exist_is_noticed(wanted):
     with pytest.raises(typer.BadParameter.__base__):
         parse(command_of(scene_file), ["silo.toml", "--no-such-flag"])
     with pytest.raises(ValueError, match="kind|walls"):
-        command_of(script("mass_flow")).main(["--walls", "slippery"], standalone_mode=False)
+        command_of(catalogue.load("mass_flow")).main(["--walls", "slippery"], standalone_mode=False)
 
 
-def test_what_the_pages_show_of_a_run_s_parts_is_what_it_says(capsys, monkeypatch):
-    monkeypatch.setattr(sys, "argv", ["taichi-silo", "run", "mass_flow"])
-    command_of(script("mass_flow")).main(["--walls", "smooth", "--explain"], standalone_mode=False)
+def test_what_the_pages_show_of_a_run_s_parts_is_what_it_says(capsys):
+    command_of(catalogue.load("mass_flow")).main(["--walls", "smooth", "--explain"], standalone_mode=False)
     said = capsys.readouterr().out
     shown = next(one for one in blocks("text") if one.page == "how-to/explain.md").text
     assert shown.split() == said[said.index(" part ") :].split()

@@ -21,7 +21,7 @@ from tests.faults.test_edge_scenes import runs
 OPTIONAL = {
     "silo.outlet.": {"width_m": 0.1},
     "silo.hopper.": {"half_angle_deg": 30.0, "outlet_width_m": 0.1},
-    "silo.inserts[].": [{"kind": "roof", "width_m": 0.06, "bottom_m": 0.1}],
+    "silo.inserts.0.": [{"kind": "roof", "width_m": 0.06, "bottom_m": 0.1}],
 }
 
 
@@ -99,11 +99,11 @@ def with_value(path, value):
     tables = copy.deepcopy(SMALL)
     for before, table in OPTIONAL.items():
         if f"{path}.".startswith(before):
-            tables["silo"][before.split(".")[1].removesuffix("[]")] = copy.deepcopy(table)
-    *names, last = path.removesuffix("[]").split(".")
+            tables["silo"][before.split(".")[1]] = copy.deepcopy(table)
+    *names, last = path.removesuffix(".0").split(".")
     table = tables
     for name in names:
-        table = table[name[:-2]][0] if name.endswith("[]") else table.setdefault(name, {})
+        table = table[0] if name == "0" else table.setdefault(name, {})
     table[last] = value
     return tables
 
@@ -115,9 +115,13 @@ def test_whatever_a_value_is_it_is_refused_in_a_sentence_that_names_it_or_possib
         words = refusal(lambda value=value: scene_of(with_value(path, value)))
         refused += words is not None
         simple = isinstance(value, float) and not 1e-8 < abs(value) < 1e4
-        last = path.removesuffix("[]").split(".")[-1]
+        last = path.removesuffix(".0").split(".")[-1]
         if words is not None and simple and value != 0.0:
-            named = {*path.split("."), last.split("_")[0], "roof"}  # the kind of walls is called walls
+            named = {
+                *path.replace(".0", "").split("."),
+                last.split("_")[0],
+                "roof",
+            }  # walls.kind is "walls"
             assert any(name in words for name in named), words
     assert refused
     tried("inputs refused", "a wrong value at a key of the scene", refused)
@@ -137,7 +141,7 @@ def test_values_that_are_refused_name_their_range(tried):
     tried("inputs refused", "a number outside of its range", count)
 
 
-@pytest.mark.parametrize("table", [*(path.removesuffix("[]") for path in reference.tables_of()), ""])
+@pytest.mark.parametrize("table", [*(path.removesuffix(".0") for path in reference.tables_of()), ""])
 def test_an_unknown_name_is_refused(table, tried):
     names = [
         "nonsense",
@@ -156,7 +160,7 @@ def test_an_unknown_name_is_refused(table, tried):
         path = f"{table}.{name}" if table else name
         tables = with_value("silo.width_m", 0.2)
         for before, optional in OPTIONAL.items():
-            if f"{table}.".startswith(before.replace("[]", "")):
+            if f"{table}.".startswith(before.replace(".0", "")):
                 tables["silo"][table.split(".")[1]] = copy.deepcopy(optional)
         inner = tables
         for step in filter(None, table.split(".")):
@@ -248,16 +252,20 @@ def changed(changes):
         if not isinstance(tables["silo"], dict):
             return tables
         for before, table in OPTIONAL.items():
-            name = before.split(".")[1].removesuffix("[]")
+            name = before.split(".")[1]
             if f"{path}.".startswith(before) and not isinstance(tables["silo"].get(name), dict | list):
                 tables["silo"][name] = copy.deepcopy(table)
-        *names, last = path.removesuffix("[]").split(".")
+        *names, last = path.removesuffix(".0").split(".")
         table = tables
         for name in names:
-            table = table[name[:-2]] if name.endswith("[]") else table.setdefault(name, {})
-            table = table[0] if isinstance(table, list) and table and name.endswith("[]") else table
-            if not isinstance(table, dict):
+            if name == "0":
+                table = table[0] if isinstance(table, list) and table else None
+            else:
+                table = table.setdefault(name, {})
+            if not isinstance(table, dict | list):
                 return tables
+        if not isinstance(table, dict):
+            return tables
         table[last] = value
     return tables
 

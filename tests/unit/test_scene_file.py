@@ -52,7 +52,7 @@ def test_every_quantity_with_a_unit_in_its_name_has_that_unit():
     assert units["flow.speed_m_per_s"] == "m/s"
     assert units["method.gravity_m_per_s2"] == "m/s²"
     assert units["sand.grain_density_kg_per_m3"] == "kg/m³"
-    assert units["silo.inserts[].width_m"] == "m"
+    assert units["silo.inserts.0.width_m"] == "m"
     assert units["sand.void_ratio"] == units["sand.n"] == ""
 
 

@@ -1,8 +1,6 @@
 """The silo that a user gives: geometry that agrees with itself, and what is refused."""
 
-import copy
 import math
-import pickle
 
 import numpy as np
 import pytest
@@ -11,7 +9,6 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from taichi_silo.analysis.measure.matching import matched
-from taichi_silo.cli.scenario_flags import Controlled
 from taichi_silo.mpm.walls.surfaces import Surfaces
 from taichi_silo.runs.theories import theory_of
 from taichi_silo.scene.scene import Mesh, Scene
@@ -145,10 +142,3 @@ def test_theories_are_silent_where_they_do_not_hold(silo):
     found = theory_of(Scene(silo=silo, grid=Mesh(cell_size_m=0.01)), 19.0, 0.42)
     assert found["eurocode"]["slenderness"] == "retaining"
     assert "discharge_normal_Pa" not in found["eurocode"]
-
-
-def test_flags_can_be_copied():
-    flags = Controlled({"width": 0.2})
-    assert pickle.loads(pickle.dumps(copy.deepcopy(flags))).width == 0.2
-    with pytest.raises(AttributeError):
-        _ = flags.height

@@ -1,6 +1,5 @@
 """`taichi-silo run`: a scenario with its own flags, or a scene from a file."""
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -38,19 +37,11 @@ def run(
     from taichi_silo.cli import catalogue
     from taichi_silo.cli.command_line import command
 
-    rest = list(context.args)
-    if what is None or what in ("--help", "-h") or not _is_scene(what):
-        sys.argv = ["taichi-silo run", *rest]
-        if what is None or what.startswith("-"):
-            sys.argv = ["taichi-silo run", "--help"]
-            command(scene_file)
-        file = catalogue.script(what)
-        sys.argv = [f"taichi-silo run {file.stem}", *rest]
-        code = compile(file.read_text(encoding="utf-8"), str(file), "exec")
-        exec(code, {"__name__": "__main__", "__file__": str(file)})
-        return
-    sys.argv = ["taichi-silo run", what, *rest]
-    command(scene_file)
+    if what is None or what.startswith("-"):
+        command(scene_file, ["--help"], "taichi-silo run")
+    if _is_scene(what):
+        command(scene_file, [what, *context.args], "taichi-silo run")
+    command(catalogue.load(what), context.args, f"taichi-silo run {catalogue.script(what).stem}")
 
 
 def _is_scene(what: str) -> bool:
