@@ -71,4 +71,5 @@ def write_forces(folder, what, end_s, rows=60):
     columns["bottom_force_N_per_m"] = weight / 3.0
     for side in ("left", "right"):
         columns |= {f"{side}_normal_N_per_m": weight / 2.0, f"{side}_shear_N_per_m": weight / 3.0}
+    columns |= {"wall_friction_angle_deg": np.full(rows, 33.7), "weight_N_per_m": weight}
     pd.DataFrame(columns).to_csv(folder / "forces.csv", index=False)

@@ -1,7 +1,6 @@
 """A command line that says in one sentence what is wrong: of a scenario script, and of the program."""
 
 import functools
-import json
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -143,7 +142,7 @@ def explain(scene) -> None:
 
 def tell(folder: Path, console: Console | None = None) -> None:
     """Say where to look, and how far to trust it."""
-    from taichi_silo.show.figures.run_files import RunFiles
+    from taichi_silo.runs.result import Result
     from taichi_silo.show.report.trust import verdict
 
     console = console or Console()
@@ -156,8 +155,7 @@ def tell(folder: Path, console: Console | None = None) -> None:
     ):  # fmt: skip
         if (folder / name).exists():
             console.say(f"  {name:26s} {what}")
-    said = verdict(RunFiles.read(folder))
+    run = Result(folder, tolerant=True)
+    said = verdict(run)
     console.say(f"\n{said.title}. {said.words}", f"One page of it all: taichi-silo report {folder}")
-    summary = folder / "summary.json"
-    found = json.loads(summary.read_text(encoding="utf-8")) if summary.exists() else {}
-    console.result({"folder": str(folder), "summary": found})
+    console.result({"folder": str(folder), "summary": run.summary})

@@ -6,6 +6,7 @@ from taichi_silo.analysis.theory import beverloo
 from taichi_silo.analysis.theory.eurocode import EurocodeSilo
 from taichi_silo.analysis.theory.janssen import Janssen
 from taichi_silo.analysis.theory.walker import WalkerHopper
+from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.silo import Silo
 
@@ -16,6 +17,17 @@ def janssen_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> Janssen
     density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
     height = silo.height_m - silo.transition_m
     return Janssen(silo.width_m, height, density, angle_deg, pressure_ratio, section=silo.section)
+
+
+def critical_simple_shear_angle_deg(critical_friction_angle_deg: float) -> float:
+    """Arctan(shear / normal stress) of the Gudehus-Bauer law in critical simple shear [degrees].
+
+    All normal stresses are then equal, cos(3 theta) is 0 and the stress deviator's norm is x = a1, where
+    1 / a1 = c1 + c2 x; the ratio is 3 x / sqrt(2). Values of c1 and c2: Bauer (1996).
+    """
+    law = GudehusBauer(critical_friction_angle_deg=critical_friction_angle_deg)
+    x = (math.sqrt(law.c1**2 + 4.0 * law.c2) - law.c1) / (2.0 * law.c2)
+    return math.degrees(math.atan(3.0 * x / math.sqrt(2.0)))
 
 
 def eurocode_of(silo: Silo, rough: bool, outlet_eccentricity_m: float = 0.0) -> EurocodeSilo:

@@ -9,7 +9,7 @@ import pytest
 
 from taichi_silo import Result
 from taichi_silo.runs import snapshot
-from taichi_silo.show.figures.run_files import FORCES as COLUMNS
+from taichi_silo.runs.result import FORCES as COLUMNS
 from taichi_silo.utils.messages import LONGEST
 from tests.faults.bad import JARGON, circle, command, folder, holding, no_file, refusal, refused
 
@@ -99,7 +99,7 @@ def commands(place, out):
     yield "render", place, "--frame", "1", "--size", "320x180", "--output", out / "picture.png"
     yield "export", place, "--output", out / "silo.vtkhdf"
     yield "export", place, "--format", "csv", "--output", out / "csv"
-    yield "compare", place, "--janssen", "--paper", "--output", out / "compare"
+    yield "compare", place, "--janssen", "--output", out / "compare"
     yield "gallery", place, "--output", out / "page"
 
 

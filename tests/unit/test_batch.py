@@ -9,10 +9,10 @@ import pytest
 
 from taichi_silo import Scene
 from taichi_silo.errors import BadInput
+from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import writable, write_parameters
 from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.show.figures.batch import COLORS, batch_figure
-from taichi_silo.show.figures.run_files import RunFiles
 from taichi_silo.studies.sweep import runs as batch_runs
 from taichi_silo.studies.sweep.runs import Run, simulate
 from taichi_silo.studies.sweep.table import leave, row
@@ -188,12 +188,12 @@ def test_the_table_has_a_row_for_every_run_and_says_why_one_failed(tmp_path):
 @pytest.mark.parametrize("count", [1, 7, 17])
 def test_of_many_runs_a_few_from_least_to_largest_are_coloured(tmp_path, count):
     runs = [left(tmp_path / f"run{k}", Scene(), 1.0 + 0.01 * k) for k in range(count)]
-    figure = batch_figure([RunFiles.read(run.folder) for run in runs])
+    figure = batch_figure([Result(run.folder) for run in runs])
     names = [text.get_text() for text in figure.legends[0].get_texts()]
     assert len(names) == min(count, len(COLORS))
     assert {"run0", f"run{count - 1}"} <= set(names)
     assert len(figure.axes[0].get_lines()) == count
-    assert batch_figure([RunFiles.read(tmp_path / "nothing")]) is None
+    assert batch_figure([]) is None
 
 
 def test_an_output_that_cannot_be_written_is_refused_and_leaves_nothing(tmp_path):

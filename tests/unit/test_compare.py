@@ -1,7 +1,6 @@
-"""Runs side by side: measurements are read, differences are what a hand computes, and the paper's cases are known."""
+"""Runs side by side: measurements are read, and differences are what a hand computes."""
 
 import json
-import shutil
 import sys
 
 import numpy as np
@@ -11,62 +10,54 @@ from PIL import Image
 
 from taichi_silo.cli import app
 from taichi_silo.errors import BadInput
-from taichi_silo.runs.run_folder import parameters
+from taichi_silo.runs.run_folder import write_parameters
+from taichi_silo.scene.scene import Walls
 from taichi_silo.studies.compare.deviation import curve, deviations
 from taichi_silo.studies.compare.differences import PROFILE, differences, janssen
 from taichi_silo.studies.compare.measured import read
-from taichi_silo.studies.compare.runs import read_runs
-from taichi_silo.studies.compare.whole import compared
-from validation.paper.against_runs import against_paper, of_case
-from validation.paper.cases import CASES
-from validation.paper.recognise import recognised
-from validation.paper.scenes import scene_of
-from validation.paper.statements import read as read_statements
+from taichi_silo.studies.compare.whole import compared, read_runs
+from tests import made_up
 
 PASCALS = 1000.0  # wall stress of a made-up run
 
 
+def leave(folder, p=100.0, factor=1.0, walls="smooth"):
+    """A run with known numbers: P = p (1 + u / 10 mm) N/m, N = 2 T = 2 p, wall stresses of `factor` kPa."""
+    folder.mkdir(parents=True)
+    angle = 19.0 if walls == "smooth" else None
+    write_parameters(folder, made_up.scene(walls=Walls(kind=walls, friction_angle_deg=angle)), {})
+    u = np.linspace(0.0, 0.01, 201)
+    flow = {
+        "stage": "flow", "time_s": 1.0 + 50.0 * u, "displacement_m": u, "bottom_force_N_per_m": p * (1.0 + 100.0 * u),
+        **{f"{wall}_normal_N_per_m": 2.0 * p for wall in ("left", "right")}, "left_shear_N_per_m": 1.2 * p,
+        "right_shear_N_per_m": 0.8 * p, "wall_friction_angle_deg": 26.57, "weight_N_per_m": 1600.0,
+    }  # fmt: skip
+    filling = pd.DataFrame(flow).assign(stage="filling", displacement_m=0.0, time_s=np.linspace(0.0, 1.0, 201))
+    filling = filling.assign(bottom_force_N_per_m=p)
+    pd.concat([filling, pd.DataFrame(flow)]).to_csv(folder / "forces.csv", index=False)
+    rows = [
+        pd.DataFrame({"state": state, "wall": wall, "height_m": np.arange(0.0, 0.501, 0.01),
+                      "normal_stress_Pa": factor * PASCALS, "shear_stress_Pa": 0.5 * factor * PASCALS})
+        for state in ("filling", "maximum", "residual") for wall in ("left", "right")
+    ]  # fmt: skip
+    pd.concat(rows).to_csv(folder / "walls.csv", index=False)
+    forces = {"bottom_N_per_m": p, "shear_N_per_m": p, "normal_N_per_m": 2.0 * p, "wall_friction_angle_deg": 26.57}
+    summary = {
+        "finished": True, "weight_N_per_m": 1600.0, "filling": forces,
+        "peak": {"max_normal_N_per_m": {"value": 3.0 * p, "displacement_m": 0.004}},
+        "residual": {name: 4.0 * value for name, value in forces.items()},
+        "largest_overpressure": {"factor": 2.0 * factor},
+        "janssen": {"pressure_ratio_K0": 0.4, "normal_N_per_m_K0": 160.0, "wall_friction_angle_deg": 19.0},
+    }  # fmt: skip
+    (folder / "summary.json").write_text(json.dumps(summary))
+    return folder
+
+
 @pytest.fixture(scope="module")
-def runs(small_run, tmp_path_factory):
+def runs(tmp_path_factory):
+    """Two runs that differ by half in forces and by a fifth in wall stresses."""
     place = tmp_path_factory.mktemp("compare")
-    return [small_run(place / kind, walls=kind) for kind in ("smooth", "very-rough")]
-
-
-@pytest.fixture
-def made_up(runs, tmp_path):
-    """A function that leaves a run with known numbers: P = p (1 + u / 10 mm) N/m, N = 2 T = 2 p, `factor` kPa."""
-
-    def leave(name, p=100.0, factor=1.0):
-        folder = shutil.copytree(runs[0], tmp_path / name)
-        u = np.linspace(0.0, 0.01, 201)
-        flow = {
-            "stage": "flow", "time_s": 1.0 + 50.0 * u, "displacement_m": u,
-            "bottom_force_N_per_m": p * (1.0 + 100.0 * u),
-            **{f"{wall}_normal_N_per_m": 2.0 * p for wall in ("left", "right")}, "left_shear_N_per_m": 1.2 * p,
-            "right_shear_N_per_m": 0.8 * p, "wall_friction_angle_deg": 26.57, "weight_N_per_m": 1600.0,
-        }  # fmt: skip
-        filling = pd.DataFrame(flow).assign(stage="filling", displacement_m=0.0, time_s=np.linspace(0.0, 1.0, 201))
-        filling = filling.assign(bottom_force_N_per_m=p)
-        pd.concat([filling, pd.DataFrame(flow)]).to_csv(folder / "forces.csv", index=False)
-        height = np.arange(0.0, 0.501, 0.01)
-        rows = [
-            pd.DataFrame({"state": state, "wall": wall, "height_m": height, "normal_stress_Pa": factor * PASCALS,
-                          "shear_stress_Pa": 0.5 * factor * PASCALS})
-            for state in ("filling", "maximum", "residual") for wall in ("left", "right")
-        ]  # fmt: skip
-        pd.concat(rows).to_csv(folder / "walls.csv", index=False)
-        forces = {"bottom_N_per_m": p, "shear_N_per_m": p, "normal_N_per_m": 2.0 * p, "wall_friction_angle_deg": 26.57}
-        summary = {
-            "finished": True, "weight_N_per_m": 1600.0, "filling": forces,
-            "peak": {"max_normal_N_per_m": {"value": 3.0 * p, "displacement_m": 0.004}},
-            "residual": {name: 4.0 * value for name, value in forces.items()},
-            "largest_overpressure": {"factor": 2.0 * factor},
-            "janssen": {"pressure_ratio_K0": 0.4, "normal_N_per_m_K0": 160.0, "wall_friction_angle_deg": 19.0},
-        }  # fmt: skip
-        (folder / "summary.json").write_text(json.dumps(summary))
-        return folder
-
-    return leave
+    return [leave(place / "smooth"), leave(place / "very-rough", p=150.0, factor=1.2, walls="very-rough")]
 
 
 def table(tmp_path, text, name="measured.csv"):
@@ -84,15 +75,12 @@ def at(rows, run, quantity, state):
     return found.iloc[0]
 
 
-def test_differences_are_those_of_hand_computation(made_up):
-    rows = differences(read_runs([made_up("a", p=100.0), made_up("b", p=150.0, factor=1.2)]))
+def test_differences_are_those_of_hand_computation(runs):
+    rows = differences(read_runs(runs))
+    rows["run"] = rows["run"].map({"smooth": "a", "very-rough": "b"})
     filled = at(rows, "b", "wall normal N", "filled")
-    assert (filled.value, filled.first_value, filled.difference, filled.difference_percent) == (
-        300.0,
-        200.0,
-        100.0,
-        50.0,
-    )
+    numbers = [filled.value, filled.first_value, filled.difference, filled.difference_percent]
+    assert numbers == [300.0, 200.0, 100.0, 50.0]
     assert filled.unit == "N/m"
     assert at(rows, "b", "bottom force P", "residual").value == 600.0
     assert at(rows, "b", "wall normal N", "peak").value == 450.0
@@ -104,17 +92,13 @@ def test_differences_are_those_of_hand_computation(made_up):
     assert rms.value == pytest.approx(200.0)
     assert rms.difference_percent == pytest.approx(20.0)
     assert at(rows, "a", PROFILE, "residual").value == 0.0
-
-
-def test_what_a_run_does_not_know_is_no_number(made_up):
-    rows = differences(read_runs([made_up("a"), made_up("b")]))
     missing = at(rows, "b", "wall friction T", "peak")
     assert missing.value is None and missing.difference is None and missing.difference_percent is None
     assert at(rows, "b", "discharge rate", "").value is None
 
 
-def test_janssen_stands_beside_the_filled_state(made_up):
-    rows = janssen(read_runs([made_up("a")]))
+def test_janssen_stands_beside_the_filled_state(runs):
+    rows = janssen(read_runs(runs[:1]))
     assert len(rows) == 1  # only N has a theory there
     row = rows.iloc[0]
     assert (row.force, row.theory, row.value, row.difference) == ("N", 160.0, 200.0, 40.0)
@@ -122,9 +106,9 @@ def test_janssen_stands_beside_the_filled_state(made_up):
     assert row.origin == "K0 of the law"
 
 
-def test_runs_of_the_same_name_are_told_apart(runs, tmp_path):
+def test_runs_of_the_same_name_are_told_apart(tmp_path):
     for place in ("one", "two"):
-        shutil.copytree(runs[0], tmp_path / place / "run")
+        leave(tmp_path / place / "run")
     assert [run.label for run in read_runs([tmp_path / "one/run", tmp_path / "two/run"])] == ["one/run", "two/run"]
     with pytest.raises(BadInput, match="given twice"):
         read_runs([tmp_path / "one/run", tmp_path / "one/../one/run"])
@@ -149,6 +133,16 @@ def test_units_and_separators_are_recognised(tmp_path, text):
     assert found.table.displacement_m.tolist() == pytest.approx([0.001, 0.002])
     assert found.table.P.tolist() == pytest.approx([110.0, 120.0])
     assert found.table.N.tolist() == pytest.approx([200.0, 300.0])
+
+
+def test_tables_of_a_laboratory_are_read_as_they_come(tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_bytes("# Silo 7, Prüfung 3\ndisplacement_mm;N_kN_per_m;remarks\n1;0,68;früh\n5;0,71;\n".encode("cp1252"))
+    found = read(file)
+    assert found.table.displacement_m.tolist() == [0.001, 0.005]
+    assert found.table.N.tolist() == pytest.approx([680.0, 710.0])
+    file.write_text("displacement_mm\tP_kN_per_m\n1\t0,68\n")
+    assert read(file).table.P.tolist() == pytest.approx([680.0])
 
 
 def test_a_profile_has_states_and_walls(tmp_path):
@@ -177,6 +171,10 @@ def test_gaps_are_left_out_and_doubles_are_averaged(tmp_path):
     [
         ("displacement_mm,P_kN\n1,2\n", ["unknown column P_kN", "did you mean P_kN_per_m"]),
         ("displacement_mm,force\n1,2\n", ["force", "bottom_force", "_kN_per_m", "normal_stress_kPa"]),
+        ("displacement_mm;N_kN/m\n1;2\n", ["unknown column N_kN/m; did you mean N_kN_per_m?"]),
+        ("displacement;N_kN_per_m\n1;2\n", ["unknown column displacement; did you mean displacement_m"]),
+        ("displacement_mm;temperature\n1;2\n", ["unknown column temperature; it must have displacement_m"]),
+        ("remark;note\n1;2\n", ["it must have displacement_m"]),
         ("P_kN_per_m,N_kN_per_m\n1,2\n", ["P_kN_per_m, N_kN_per_m", "displacement_m"]),
         ("displacement_mm\n1\n", ["displacement_mm", "left_normal"]),
         ("displacement_mm,time_s,P_N_per_m\n1,2,3\n", ["displacement_mm, time_s", "displacement_mm or time_s"]),
@@ -211,9 +209,9 @@ def test_a_file_that_is_not_there_is_refused(tmp_path):
 # deviations
 
 
-def test_deviations_over_the_common_range_are_those_of_hand_computation(made_up, tmp_path):
+def test_deviations_over_the_common_range_are_those_of_hand_computation(runs, tmp_path):
     text = "displacement_mm,P_N_per_m,left_shear_N_per_m\n2,110,120\n6,180,120\n10,190,120\n30,400,120\n"
-    rows = deviations(read_runs([made_up("a")]), [read(table(tmp_path, text))]).set_index("quantity")
+    rows = deviations(read_runs(runs[:1]), [read(table(tmp_path, text))]).set_index("quantity")
     force = rows.loc["P"]  # the run has 120, 160, 200: deviations 10, -20, 10
     assert force.points == 3
     assert (force.begin, force.end) == pytest.approx((0.002, 0.010))
@@ -226,15 +224,15 @@ def test_deviations_over_the_common_range_are_those_of_hand_computation(made_up,
     assert rows.loc["left_shear"].rms == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_curve_in_time_counts_from_the_begin_of_the_outflow(made_up, tmp_path):
+def test_a_curve_in_time_counts_from_the_begin_of_the_outflow(runs, tmp_path):
     measured = read(table(tmp_path, "time_s,P_kN_per_m\n0,0.1\n0.25,0.15\n0.5,0.2\n"))
-    rows = deviations(read_runs([made_up("a")]), [measured])
+    rows = deviations(read_runs(runs[:1]), [measured])
     assert rows.points.tolist() == [3]
     assert rows.rms.iloc[0] == pytest.approx(0.0, abs=0.5)
 
 
-def test_a_profile_without_a_state_is_set_beside_all_three(made_up, tmp_path):
-    run = read_runs([made_up("a", factor=2.0)])
+def test_a_profile_without_a_state_is_set_beside_all_three(runs, tmp_path):
+    run = read_runs([leave(tmp_path / "a", factor=2.0)])
     rows = deviations(run, [read(table(tmp_path, "height_m,normal_stress_kPa\n0.1,1.5\n0.2,1.5\n0.9,7\n"))])
     assert rows.state.tolist() == ["filling", "maximum", "residual"]
     assert rows.points.tolist() == [2, 2, 2]
@@ -242,8 +240,8 @@ def test_a_profile_without_a_state_is_set_beside_all_three(made_up, tmp_path):
     assert rows.rms_percent.tolist() == pytest.approx([100.0 * 500.0 / 7000.0] * 3)
 
 
-def test_nothing_in_common_is_said_and_no_error(made_up, tmp_path):
-    rows = deviations(read_runs([made_up("a")]), [read(table(tmp_path, "displacement_mm,P_N_per_m\n50,1\n60,2\n"))])
+def test_nothing_in_common_is_said_and_no_error(runs, tmp_path):
+    rows = deviations(read_runs(runs[:1]), [read(table(tmp_path, "displacement_mm,P_N_per_m\n50,1\n60,2\n"))])
     assert rows.points.tolist() == [0]
     assert rows.rms.tolist() == [None]
 
@@ -255,54 +253,6 @@ def test_a_run_deviates_from_its_own_curve_by_nothing(runs, tmp_path):
     rows = deviations([run], [read(table(tmp_path, "displacement_mm,N_kN_per_m\n" + "\n".join(rows)))])
     assert rows.points.iloc[0] == len(u[::7])
     assert rows.largest_percent.iloc[0] == pytest.approx(0.0, abs=1e-3)
-
-
-# the paper
-
-
-def test_each_of_the_papers_cases_is_recognised_from_its_parameters():
-    for name, case in CASES.items():
-        found = recognised(parameters(scene_of(case)))
-        assert found.case is case, name
-        assert found.differences == ()
-
-
-def test_what_was_computed_otherwise_is_named():
-    found = recognised(parameters(scene_of(CASES["dense_smooth_bottom"], cell_size_m=0.01, speed_m_per_s=0.005)))
-    assert found.case is CASES["dense_smooth_bottom"]
-    assert set(found.differences) == {("grid.cell_size_m", 0.01, 0.005), ("flow.speed_m_per_s", 0.005, 0.002)}
-
-
-@pytest.mark.parametrize(
-    ("path", "value"),
-    [("silo.width_m", 0.25), ("sand.void_ratio", 0.65), ("sand.e_c0", 0.83), ("walls.friction_angle_deg", 20.0)],
-)
-def test_another_silo_is_none_of_the_papers(path, value):
-    tables = parameters(scene_of(CASES["dense_smooth_bottom"]))
-    name, key = path.split(".")
-    tables[name] = tables[name] | {key: value}
-    found = recognised(tables)
-    assert found.case is None
-    assert [one[0] for one in found.differences] == [path]
-
-
-def test_relations_need_the_other_run_too(runs):
-    alone = against_paper(read_runs(runs[1:]))[0]
-    both = {one.label: one for one in against_paper(read_runs(runs))}["very-rough"]
-    assert alone.known.case is CASES["dense_very-rough_bottom"]
-    assert alone.others > both.others > 0
-    assert "6.1-start-rougher" in set(both.rows.id) - set(alone.rows.id)
-    assert set(both.rows.agrees) <= {"yes", "partly", "no", "by eye"}
-    assert set(both.rows.case) == {"dense_very-rough_bottom"}
-    assert len(both.rows) + both.others == len(alone.rows) + alone.others
-
-
-def test_a_statement_is_judged_for_one_case_alone_without_the_reasons_of_other_runs():
-    one = next(one for one in read_statements()[0] if one.id == "6.1-start-rougher")
-    assert of_case(one, "dense_very-rough_bottom", {"dense_very-rough_bottom"}) is None
-    own = of_case(one, "dense_very-rough_bottom", {"dense_very-rough_bottom", "dense_smooth_bottom"})
-    assert own.needs == ["dense_very-rough_bottom", "dense_smooth_bottom"]
-    assert own.reason == "" and own.seen == ""
 
 
 # the command
@@ -320,7 +270,7 @@ def test_the_command_leaves_tables_and_figures(runs, tmp_path, monkeypatch, caps
     file = table(tmp_path, "displacement_mm,N_kN_per_m\n1,0.6\n5,0.7\n")
     profile = table(tmp_path, "height_m,normal_stress_kPa,wall\n0.1,2,left\n0.3,1,left\n", "cells.csv")
     output = tmp_path / "out"
-    flags = ("--janssen", "--paper", "--csv", file, "--csv", profile, "--output", output)
+    flags = ("--janssen", "--csv", file, "--csv", profile, "--output", output)
     code, said, _ = call(monkeypatch, capsys, "compare", *runs, *flags)
     assert code == 0
     for words in (
@@ -330,7 +280,7 @@ def test_the_command_leaves_tables_and_figures(runs, tmp_path, monkeypatch, caps
         "Deviation from",
     ):
         assert words in said
-    names = ["compare.csv", "compare_forces.png", "compare_walls.png", "deviation.csv", "janssen.csv", "paper.csv"]
+    names = ["compare.csv", "compare_forces.png", "compare_walls.png", "deviation.csv", "janssen.csv"]
     assert sorted(file.name for file in output.iterdir()) == names
     rows = pd.read_csv(output / "compare.csv")
     for label, folder in zip(("smooth", "very-rough"), runs, strict=True):
@@ -343,22 +293,19 @@ def test_the_command_leaves_tables_and_figures(runs, tmp_path, monkeypatch, caps
 
 
 def test_json_gives_all_numbers_in_one_object(runs, tmp_path, monkeypatch, capsys):
-    code, said, err = call(
-        monkeypatch, capsys, "compare", *runs, "--janssen", "--paper", "--json", "--output", tmp_path
-    )
+    code, said, err = call(monkeypatch, capsys, "compare", *runs, "--janssen", "--json", "--output", tmp_path)
     assert code == 0
     found = json.loads(said)
-    assert set(found) == {"runs", "differences", "janssen", "paper", "files"}
+    assert set(found) == {"runs", "differences", "janssen", "files"}
     assert list(found["runs"]) == ["smooth", "very-rough"]
     assert {row["run"] for row in found["differences"]} == {"smooth", "very-rough"}
-    assert found["paper"][1]["case"] == "dense_very-rough_bottom"
     assert "Differences" in err  # for a person, beside it
 
 
 def test_an_earlier_comparison_is_replaced_as_a_whole(runs, tmp_path):
-    compared(runs, tmp_path, janssen=True, paper=False, csv=[])
+    compared(runs, tmp_path, janssen=True, csv=[])
     assert (tmp_path / "janssen.csv").exists()
-    compared(runs, tmp_path, janssen=False, paper=False, csv=[])
+    compared(runs, tmp_path, janssen=False, csv=[])
     assert not (tmp_path / "janssen.csv").exists()
 
 
@@ -370,6 +317,7 @@ def test_what_cannot_be_compared_is_refused_before_anything_is_written(runs, tmp
         ([runs[0]], "runs: there is 1"),
         ([runs[0], tmp_path], "holds no run.toml"),
         ([runs[0], runs[0]], "given twice"),
+        ([*runs, "--paper"], "python -m validation.paper.against_runs"),
         ([*runs, "--csv", tmp_path / "no.csv"], "no.csv cannot be read"),
         ([*runs, "--csv", curves, "--csv", times], "over displacement and over time"),
     ):
@@ -378,42 +326,3 @@ def test_what_cannot_be_compared_is_refused_before_anything_is_written(runs, tmp
         assert said in err
         assert err.count("\n") == 1
         assert not output.exists()
-
-
-def test_the_report_command_says_where_the_page_is(runs, tmp_path, monkeypatch, capsys):
-    code, said, _ = call(monkeypatch, capsys, "report", runs[0], "--output", tmp_path / "page.html", "--json")
-    assert code == 0
-    assert json.loads(said)["report"] == str(tmp_path / "page.html")
-    code, said, _ = call(monkeypatch, capsys, "report", runs[0], "--quiet")
-    assert (code, said) == (0, "")
-    assert (runs[0] / "report.html").exists()
-    code, _, err = call(monkeypatch, capsys, "report", tmp_path)
-    assert code == 2
-    assert "holds no run.toml" in err
-
-
-def test_tables_of_a_laboratory_are_read_as_they_come(tmp_path):
-    file = tmp_path / "lab.csv"
-    file.write_bytes("# Silo 7, Prüfung 3\ndisplacement_mm;N_kN_per_m;remarks\n1;0,68;früh\n5;0,71;\n".encode("cp1252"))
-    found = read(file)
-    assert found.table.displacement_m.tolist() == [0.001, 0.005]
-    assert found.table.N.tolist() == pytest.approx([680.0, 710.0])
-    file.write_text("displacement_mm\tP_kN_per_m\n1\t0,68\n")
-    assert read(file).table.P.tolist() == pytest.approx([680.0])
-
-
-@pytest.mark.parametrize(
-    ("head", "words"),
-    [
-        ("displacement_mm;N_kN/m", "unknown column N_kN/m; did you mean N_kN_per_m?"),
-        ("displacement;N_kN_per_m", "unknown column displacement; did you mean displacement_m"),
-        ("displacement_mm;temperature", "unknown column temperature; it must have displacement_m"),
-        ("remark;note", "it must have displacement_m"),
-    ],
-)
-def test_an_unknown_column_is_named_with_the_one_that_was_meant(tmp_path, head, words):
-    file = tmp_path / "lab.csv"
-    file.write_text(f"{head}\n1;2\n")
-    with pytest.raises(BadInput) as caught:
-        read(file)
-    assert words in str(caught.value)

@@ -11,8 +11,8 @@ from vtk.util.numpy_support import vtk_to_numpy
 from taichi_silo.cli import app
 from taichi_silo.errors import BadInput
 from taichi_silo.runs import snapshot
-from taichi_silo.runs.history import History
 from taichi_silo.runs.point_fields import FIELDS
+from taichi_silo.runs.result import Result
 from taichi_silo.show.export import vtkhdf
 from tests import made_up
 
@@ -46,7 +46,7 @@ def reader(folder):
 
 
 def test_the_series_has_all_states_with_their_times(folder, reader):
-    index = History.read(folder).index
+    index = Result(folder).snapshots
     times = reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS())
     assert reader.GetNumberOfSteps() == len(index) == 14
     assert list(times) == index["time_s"].tolist()
@@ -54,7 +54,7 @@ def test_the_series_has_all_states_with_their_times(folder, reader):
 
 @pytest.mark.parametrize("number", [0, 1, 6, 13])
 def test_each_state_of_the_series_is_that_of_its_snapshot(folder, reader, number):
-    history = History.read(folder)
+    history = Result(folder)
     points = history.state(number)
     reader.SetStep(number)
     reader.Update()
@@ -77,13 +77,13 @@ def test_each_state_of_the_series_is_that_of_its_snapshot(folder, reader, number
 
 
 def test_a_reader_that_asks_for_a_time_gets_the_state_of_that_time(folder, reader):
-    index = History.read(folder).index
+    index = Result(folder).snapshots
     reader.UpdateTimeStep(index["time_s"].iloc[9])
     assert reader.GetStep() == 9
 
 
 def test_the_list_of_snapshots_opens_with_the_xml_reader(folder):
-    index = History.read(folder).index
+    index = Result(folder).snapshots
     for file in index["file"].iloc[[0, -1]]:
         reader = vtk.vtkXMLUnstructuredGridReader()
         reader.SetFileName(str(folder / "snapshots" / file))
@@ -98,7 +98,7 @@ def test_tables_have_units_in_their_names_and_the_digits_of_the_snapshots(folder
     command("export", folder, "--format", "csv", "--output", tmp_path / "tables", "--quiet")
     index = pd.read_csv(tmp_path / "tables" / "index.csv")
     assert len(list((tmp_path / "tables").iterdir())) == len(index) + 1 == 15
-    points = History.read(folder).state(13)
+    points = Result(folder).state(13)
     table = pd.read_csv(tmp_path / "tables" / index.file.iloc[13])
     assert list(table.columns) == COLUMNS.split()
     assert (table.identity == points["identity"]).all()
@@ -126,7 +126,7 @@ def test_an_export_that_fails_leaves_nothing(folder, tmp_path):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        vtkhdf.write(History.read(folder), tmp_path / "a.vtkhdf", fails)
+        vtkhdf.write(Result(folder), tmp_path / "a.vtkhdf", fails)
     assert not list(tmp_path.iterdir())
 
 

@@ -10,7 +10,7 @@ from PIL import Image
 
 from taichi_silo.cli import app
 from taichi_silo.errors import BadInput
-from taichi_silo.runs.history import History
+from taichi_silo.runs.result import Result
 from taichi_silo.show.film import moments, renderer
 from tests import made_up
 
@@ -20,7 +20,7 @@ def root(tmp_path_factory):
     """Three runs: one that has ended, with a film; one that went wrong; one that has left nothing to show."""
     place = tmp_path_factory.mktemp("all runs")
     ended = made_up.leave(place / "dense & rough", states=10)
-    history = History.read(ended)
+    history = Result(ended)
     look = renderer.Look(field="layers", size=(320, 180))
     renderer.film(history, ended / "layers.mp4", moments.over(history, 5), look)
     (ended / "void_ratio.mp4").write_text("no film")

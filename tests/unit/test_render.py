@@ -14,8 +14,8 @@ from taichi_silo.cli import app
 from taichi_silo.cli.commands import render
 from taichi_silo.errors import BadInput, RunFailed
 from taichi_silo.runs import snapshot
-from taichi_silo.runs.history import History
 from taichi_silo.runs.point_fields import FIELDS
+from taichi_silo.runs.result import Result
 from taichi_silo.runs.session import run
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene
 from taichi_silo.scene.silo import Outlet, Silo
@@ -36,7 +36,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def history(folder):
-    return History.read(folder)
+    return Result(folder)
 
 
 def command(*words):
@@ -45,7 +45,7 @@ def command(*words):
 
 
 def picture(history, file, number=-1, **look):
-    drawn = renderer.still(history, file, number % len(history.index), renderer.Look(**{"size": SMALL} | look))
+    drawn = renderer.still(history, file, number % len(history.snapshots), renderer.Look(**{"size": SMALL} | look))
     return np.asarray(Image.open(file)), drawn.picture.canvas
 
 
@@ -102,7 +102,7 @@ def test_the_last_frame_is_that_of_the_film_that_the_run_has_drawn(tmp_path, mon
     )  # fmt: skip
     run(scene, tmp_path)
     _, frames = frames_of(tmp_path / "void_ratio.mp4")
-    still, _ = picture(History.read(tmp_path), tmp_path / "a.png", size=(1920, 1080))
+    still, _ = picture(Result(tmp_path), tmp_path / "a.png", size=(1920, 1080))
     error = np.abs(frames[-1].astype(int) - still).max(axis=2)
     assert error.mean() < 1.5 and (error > 60).mean() < 1e-3  # the encoder's noise
 
@@ -112,7 +112,7 @@ def test_the_picture_of_a_half_is_that_of_the_whole(tmp_path, field):
     found = []
     for half in (False, True):
         left = made_up.leave(tmp_path / f"{half}", states=2, half=half)
-        found.append(picture(History.read(left), tmp_path / f"{half}.png", field=field)[0])
+        found.append(picture(Result(left), tmp_path / f"{half}.png", field=field)[0])
     assert (found[0] == found[1]).all(axis=2).mean() > 0.9995  # between two points equally near either may win
     assert (found[0] != found[0][0, 0]).any()
 
@@ -123,7 +123,7 @@ def test_sand_has_the_colour_of_its_value_and_grey_where_it_has_none(tmp_path):
     core = np.abs(points["position"][:, 0] - 0.1) < 0.03
     points["stress"] = np.where(core[:, None], -1.0, points["stress"]) * (1.0, 1.0, 1.0, 0.0)
     snapshot.write(left / "snapshots" / "flow_020.000mm.vtu", points)
-    image, canvas = picture(History.read(left), tmp_path / "a.png", field="mobilised_friction")
+    image, canvas = picture(Result(left), tmp_path / "a.png", field="mobilised_friction")
     panel = image[canvas.panel.slices]
     middle = panel[panel.shape[0] // 2]
     assert tuple(middle[len(middle) // 2]) == MISSING
@@ -149,7 +149,7 @@ def test_points_move_on_straight_lines_and_leaving_ones_go_on(tmp_path):
     def gone(points, part):
         return (points["identity"] < 50) & (part > 0.7)
 
-    history = History.read(made_up.leave(tmp_path / "run", states=2, left=gone))
+    history = Result(made_up.leave(tmp_path / "run", states=2, left=gone))
     between = Between(history, FIELDS["void_ratio"])
     before, after = (made_up.state(history.scene, u) for u in (0.01, 0.02))
     position, values = between.at(made_up.FILLED_S + 0.75)
@@ -180,11 +180,11 @@ def test_a_film_at_half_speed_lasts_twice_as_long(history):
 
 def test_free_outflow_is_shown_in_time_as_long_as_it_lasted(tmp_path):
     silo, flow = Silo(outlet=Outlet(width_m=0.08)), Flow(outflow="gravity", displacement_m=1.25, longest_s=9.0)
-    history = History.read(made_up.leave(tmp_path / "run", made_up.scene(silo=silo, flow=flow)))
+    history = Result(made_up.leave(tmp_path / "run", made_up.scene(silo=silo, flow=flow)))
     assert renderer.course(history).end == pytest.approx(1.0)
     flow = [moment.progress for moment in moments.over(history, 50) if moment.stage == "flow"]
     assert np.diff([0.0, *flow]) == pytest.approx(1.0 / len(flow))
-    assert history.index["file"][moments.nearest(history, 0.5)] == "flow_010.000mm.vtu"
+    assert history.snapshots["file"][moments.nearest(history, 0.5)] == "flow_010.000mm.vtu"
 
 
 def test_one_frame_shows_the_nearest_snapshot(folder, history, capsys):
@@ -192,7 +192,7 @@ def test_one_frame_shows_the_nearest_snapshot(folder, history, capsys):
     told = json.loads(capsys.readouterr().out)
     assert told["snapshot"] == "flow_005.000mm.vtu"
     assert Image.open(folder / "speed_4.9mm.png").size == (320, 180)
-    assert history.index["file"][moments.nearest(history, 0.0)] == "filled.vtu"
+    assert history.snapshots["file"][moments.nearest(history, 0.0)] == "filled.vtu"
     with pytest.raises(BadInput, match="frame is 21 mm; it must be from 0 to 20 mm"):
         moments.nearest(history, 0.021)
 
@@ -203,7 +203,7 @@ def test_a_run_that_goes_on_is_drawn_as_far_as_it_has_come(tmp_path):
     index.iloc[:15].to_csv(left / "snapshots" / "index.csv", index=False)
     with open(left / "forces.csv", "a") as stream:
         stream.write("1.51,flow,0.02")  # a row that is being written
-    history = History.read(left)
+    history = Result(left)
     assert moments.over(history, 100)[-1].progress == pytest.approx(0.013)
     renderer.film(history, tmp_path / "a.mp4", moments.over(history, 5), renderer.Look(size=(320, 180)))
     assert len(frames_of(tmp_path / "a.mp4")[1]) == 5

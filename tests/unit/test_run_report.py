@@ -3,30 +3,33 @@
 import json
 import re
 import shutil
+import sys
 from html.parser import HTMLParser
 
 import numpy as np
 import pandas as pd
 import pytest
-import tomli_w
 
+from taichi_silo.cli import app
 from taichi_silo.errors import BadInput
-from taichi_silo.runs.run_folder import parameters
-from taichi_silo.scene.scene import Flow, Mesh, Scene
+from taichi_silo.runs.result import Result
+from taichi_silo.runs.run_folder import write_parameters
+from taichi_silo.runs.theories import hopper_of
+from taichi_silo.scene.scene import Flow, Mesh, Scene, Walls
 from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
-from taichi_silo.show.figures.run_files import RunFiles
+from taichi_silo.show import theory
 from taichi_silo.show.report.drawing import drawing
 from taichi_silo.show.report.key import key_numbers
 from taichi_silo.show.report.limits import known_limits
 from taichi_silo.show.report.page import page, write_report
-from taichi_silo.show.report.parameters import meaning, parameter_tables, unit
+from taichi_silo.show.report.parameters import parameter_tables
 from taichi_silo.show.report.states import (
     discharge_rate_kg_per_s_m,
     forces_of,
     largest_hopper_stress,
     largest_wall_stress,
 )
-from taichi_silo.show.report.tables import stress_table
+from taichi_silo.show.report.tables import hopper_table, stress_table
 from taichi_silo.show.report.trust import verdict
 from taichi_silo.show.report.words import kN, mm, number, per_cent, plain
 
@@ -36,11 +39,6 @@ HOPPER = Silo(hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.1))
 @pytest.fixture(scope="module")
 def run(small_run, tmp_path_factory):
     return small_run(tmp_path_factory.mktemp("report") / "smooth", film=True)
-
-
-@pytest.fixture(scope="module")
-def hopper(small_run, tmp_path_factory):
-    return small_run(tmp_path_factory.mktemp("report") / "hopper", silo=HOPPER)
 
 
 @pytest.fixture
@@ -101,7 +99,7 @@ def test_film_figures_and_drawing_are_in_it(run):
 def test_key_numbers_are_those_of_the_summary(run):
     summary, words = json.loads((run / "summary.json").read_text()), outline(run).words
     largest = max(one["pressure_cell"] for one in summary["largest_wall_normal_stress_Pa"].values())
-    assert largest_wall_stress(RunFiles.read(run)).stress_Pa == pytest.approx(largest, rel=1e-9)
+    assert largest_wall_stress(Result(run)).stress_Pa == pytest.approx(largest, rel=1e-9)
     peak = summary["peak"]
     for value in (
         largest, peak["max_normal_N_per_m"]["value"], peak["max_shear_N_per_m"]["value"],
@@ -125,16 +123,18 @@ def test_the_largest_pressure_is_that_of_the_whole_flow(run, copy):
     changed_summary(
         copy, largest_wall_normal_stress_in_flow=found | {"normal_stress_Pa": 9876.0, "displacement_m": 0.003}
     )
-    first = key_numbers(RunFiles.read(copy))[0]
+    first = key_numbers(Result(copy))[0]
     assert (first.name, first.value) == ("Largest wall pressure", "9.88")
     assert "in flow at u = 3 mm" in first.words
 
 
 def test_every_parameter_stands_with_its_unit(run):
-    found, tables = outline(run).words, RunFiles.read(run).parameters
+    found, tables = outline(run).words, Result(run).parameters
     rows = {f"{title}.{row.name}": row for title, rows in parameter_tables(tables) for row in rows}
     assert rows["Grid and points.cell_size_m"].value == "0.05"
     assert rows["Grid and points.cell_size_m"].unit == "m"
+    assert rows["Sand.intergranular.m_R"].unit == rows["Sand.n"].unit == ""
+    assert rows["Sand.grain_density_kg_per_m3"].unit == "kg/m³" and rows["Method.gravity_m_per_s2"].unit == "m/s²"
     assert not [name for name, row in rows.items() if not row.means]
     assert all(row.name in found for row in rows.values())
 
@@ -147,31 +147,44 @@ def test_every_parameter_stands_with_its_unit(run):
 def test_each_part_and_each_check_is_explained(run):
     summary, words = json.loads((run / "summary.json").read_text()), outline(run).words
     assert all(part["because"] in words for part in summary["parts"])
-    checks = verdict(RunFiles.read(run)).checks
+    checks = verdict(Result(run)).checks
     assert len(checks) >= 10
     assert all(check.means in words and check.limit in words for check in checks)
 
 
 def test_theory_stands_beside_the_stresses_of_the_run(run):
-    table, files = stress_table(RunFiles.read(run)), RunFiles.read(run)
+    files = Result(run)
+    table = stress_table(files)
     assert table.head[:3] == ("height (mm)", "after filling", "Janssen, K₀ of the law")
     middle = next(row for row in table.rows if row[0] == "250")
-    theory = files.janssen(files.pressure_ratios["K0 of the law"]).normal_stress_Pa(0.25)
-    code = files.eurocode.discharge_normal_Pa(0.25)
-    assert middle[2] == kN(float(theory))
+    law = theory.janssen(files, theory.pressure_ratios(files)["K0 of the law"]).normal_stress_Pa(0.25)
+    code = theory.eurocode(files).discharge_normal_Pa(0.25)
+    assert middle[2] == kN(float(law))
     assert middle[-1] == kN(float(code))
-    assert float(middle[1]) == pytest.approx(float(theory) / 1e3, rel=0.1)
+    assert float(middle[1]) == pytest.approx(float(law) / 1e3, rel=0.1)
 
 
-def test_a_hopper_has_walkers_theory_and_its_own_pressure(hopper):
-    found = outline(hopper)
-    assert "On the walls of the hopper" in found.words
-    assert "Largest pressure, hopper" in found.words
-    assert found.tags.get("video") is None
-    assert "no film" in found.words
-    walls = pd.read_csv(hopper / "walls.csv")
-    largest = walls[walls.wall.str.startswith("hopper")].normal_stress_Pa.max()
-    assert 0.0 < largest_hopper_stress(RunFiles.read(hopper)).stress_Pa <= largest
+def test_a_hopper_has_walkers_theory_and_its_own_pressure(tmp_path):
+    run = written(tmp_path / "run", Scene(silo=HOPPER, walls=Walls(kind="smooth", friction_angle_deg=15.0)))
+    height = np.linspace(0.0, 0.13, 14)
+    walls = [
+        pd.DataFrame({"state": state, "wall": f"hopper_{side}", "height_m": height, "normal_stress_Pa": 3e3 * height,
+                      "shear_stress_Pa": 0.0})
+        for state in ("filling", "maximum", "residual") for side in ("left", "right")
+    ]  # fmt: skip
+    pd.concat(walls).to_csv(run / "walls.csv", index=False)
+    ratios = {"janssen": {"wall_friction_angle_deg": 15.0, "pressure_ratio_K0": 0.4}}
+    (run / "summary.json").write_text(json.dumps({"finished": True, **ratios}))
+    found, run = outline(run), Result(run)
+    assert "On the walls of the hopper" in found.words and "Largest pressure, hopper" in found.words
+    assert found.tags.get("video") is None and "no film" in found.words
+    assert 0.9 * 3e3 * 0.13 * 0.8 < largest_hopper_stress(run).stress_Pa <= 3e3 * 0.13
+    middle = hopper_table(run).rows[2]
+    above = theory.janssen(run, 0.4).vertical_stress_Pa(theory.straight_m(run))
+    law = hopper_of(run.scene, 15.0, 0.4, float(above), "discharge")
+    place = 0.5 * run.scene.silo.transition_m
+    assert middle[1] == kN(3e3 * place)
+    assert middle[5] == kN(float(law.normal_stress_Pa(law.outlet_height_m + place)))
 
 
 def changed_summary(folder, **values):
@@ -182,7 +195,7 @@ def changed_summary(folder, **values):
 def changed_certificate(folder, **values):
     certificate = json.loads((folder / "summary.json").read_text())["certificate"]
     changed_summary(folder, certificate=certificate | values)
-    return verdict(RunFiles.read(folder))
+    return verdict(Result(folder))
 
 
 def test_the_verdict_follows_the_certificate(copy):
@@ -258,7 +271,7 @@ def test_words_in_place_of_numbers_read_as_none(copy):
     forces = pd.read_csv(copy / "forces.csv").astype(object)
     forces.iloc[-1, 3] = "garbage"
     forces.to_csv(copy / "forces.csv", index=False)
-    assert np.isnan(RunFiles.read(copy).forces.bottom_force_N_per_m.iloc[-1])
+    assert np.isnan(Result(copy).forces.bottom_force_N_per_m.iloc[-1])
     assert outline(copy).tags["video"] == 1
 
 
@@ -279,11 +292,11 @@ def test_what_is_no_run_of_a_silo_is_refused(tmp_path, copy):
     refused(tmp_path / "nowhere", "nowhere", "no such folder")
     refused(tmp_path, "run.toml")
     (copy / "run.toml").write_text("[silo")
-    refused(copy, "run.toml is damaged")
+    refused(copy, "run.toml cannot be read as a run")
     (copy / "run.toml").write_text('test = "oedometer"')
     refused(copy, "names no silo")
     (copy / "run.toml").write_text("[silo]\nwidth_m = -1.0")
-    refused(copy, "not possible")
+    refused(copy, "run.toml", "width_m")
 
 
 def test_an_output_that_cannot_be_written_is_refused_and_leaves_nothing(copy, tmp_path):
@@ -296,8 +309,8 @@ def test_an_output_that_cannot_be_written_is_refused_and_leaves_nothing(copy, tm
 
 def written(folder, scene):
     folder.mkdir(parents=True)
-    (folder / "run.toml").write_text(tomli_w.dumps(parameters(scene)))
-    return RunFiles.read(folder)
+    write_parameters(folder, scene, {})
+    return Result(folder)
 
 
 @pytest.mark.parametrize(
@@ -340,13 +353,13 @@ def test_free_outflow_has_a_rate_and_no_quasi_static_limits(tmp_path):
     run = written(tmp_path / "run", Scene(silo=silo, grid=Mesh(cell_size_m=0.01), flow=Flow(outflow="gravity")))
     time = np.linspace(0.0, 2.0, 201)
     gone = np.minimum(100.0 * np.maximum(time - 0.2, 0.0), 160.0)  # of 165.6 kg/m
-    forces = pd.DataFrame(dict.fromkeys(RunFiles.read(tmp_path / "run").forces.columns, 0.0), index=range(201))
+    forces = pd.DataFrame(dict.fromkeys(Result(tmp_path / "run").forces.columns, 0.0), index=range(201))
     forces = forces.assign(stage="flow", time_s=time, weight_N_per_m=9.81 * (165.625 - gone), discharged_kg_per_m=gone)
     forces.to_csv(tmp_path / "run" / "forces.csv", index=False)
     (tmp_path / "run" / "summary.json").write_text(
         json.dumps({"finished": True, "certificate": {"inertial_number_99th_percentile": 0.4}})
     )
-    run = RunFiles.read(tmp_path / "run")
+    run = Result(tmp_path / "run")
     assert discharge_rate_kg_per_s_m(run) == pytest.approx(100.0, rel=1e-6)
     assert [check.passed for check in verdict(run).checks] == [None]
     assert "opened, sand falls out" in page(run)
@@ -373,14 +386,8 @@ def test_a_run_without_anything_has_no_key_numbers_but_a_page(tmp_path):
 
 
 def test_numbers_are_read_as_people_read_them():
-    assert [number(x) for x in (1234.5, 0.54, 0.0, None, float("nan"), -2.0)] == [
-        "1,230",
-        "0.540",
-        "0",
-        "–",
-        "–",
-        "−2.00",
-    ]
+    words = [number(x) for x in (1234.5, 0.54, 0.0, None, float("nan"), -2.0)]
+    assert words == ["1,230", "0.540", "0", "–", "–", "−2.00"]
     assert number(1.3e-9, 2) == "1.3·10⁻⁹"
     assert number(0.9999) == "1.00"
     assert [plain(x) for x in (20.0, 0.0015, 1e-9, 2.5e-7)] == ["20", "0.0015", "10⁻⁹", "2.5·10⁻⁷"]
@@ -388,8 +395,14 @@ def test_numbers_are_read_as_people_read_them():
     assert [mm(x) for x in (0.2, 0.0005, 12.0)] == ["200 mm", "0.5 mm", "12 m"]
 
 
-def test_units_come_from_the_ends_of_names():
-    names = ("grain_density_kg_per_m3", "speed_m_per_s", "gravity_m_per_s2", "width_m", "m_R", "n", "half_angle_deg")
-    assert [unit(name) for name in names] == ["kg/m³", "m/s", "m/s²", "m", "", "", "°"]
-    assert meaning("silo.inserts.1.bottom_m") == "lowest place above the floor, of a roof or cylinder"
-    assert meaning("program.unknown") == ""
+def test_the_command_says_where_the_page_is(run, tmp_path, monkeypatch, capsys):
+    for words, code, out, err in (
+        ([run, "--output", tmp_path / "page.html", "--json"], 0, f'"report": "{tmp_path / "page.html"}"', "page.html"),
+        ([run, "--quiet"], 0, "", ""),
+        ([tmp_path], 2, "", "holds no run.toml"),
+    ):
+        monkeypatch.setattr(sys, "argv", ["taichi-silo", "report", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            app.main()
+        said = capsys.readouterr()
+        assert ended.value.code == code and out in said.out and err in said.err

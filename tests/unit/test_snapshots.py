@@ -13,12 +13,12 @@ from vtk.util.numpy_support import vtk_to_numpy
 from taichi_silo.errors import BadInput
 from taichi_silo.runs import snapshot
 from taichi_silo.runs.observers.snapshots import Snapshots
+from taichi_silo.runs.result import Result
 from taichi_silo.scene.scene import Flow, Mesh, Output, Scene
 from taichi_silo.scene.silo import Outlet, Silo
-from taichi_silo.show.figures.run_files import RunFiles
 from taichi_silo.show.figures.void_ratio import chosen_snapshots
 from tests import made_up
-from validation.paper.files import RunFiles as PaperFiles
+from validation.paper.files import CaseRun
 
 NAMED = ["start.vtu", "filled.vtu", "flow_002.000mm.vtu", "flow_005.000mm.vtu", "flow_010.000mm.vtu"]
 
@@ -189,12 +189,12 @@ def test_the_list_for_paraview_names_all_files_with_their_times(tmp_path):
 
 def test_figures_and_measures_choose_among_the_named(tmp_path):
     folder = made_up.leave(tmp_path / "dense_very-rough_bottom", states=40)
-    shown = [row["file"] for row in chosen_snapshots(RunFiles.read(folder)) if row is not None]
+    shown = [row["file"] for row in chosen_snapshots(Result(folder)) if row is not None]
     named = [f"flow_{u:07.3f}mm.vtu" for u in (2, 5, 10, 20)]
     assert shown == ["filled.vtu", *named]
-    paper = PaperFiles(folder)
+    paper = CaseRun(folder)
     for when, file in (("first", named[0]), ("before", named[2]), ("last", named[3])):
-        assert (paper.points(when).position == snapshot.read(folder / "snapshots" / file)["position"]).all()
+        assert (paper.points(when)["position"] == snapshot.read(folder / "snapshots" / file)["position"]).all()
 
 
 def test_a_death_while_a_run_goes_on_leaves_nothing_listed_that_is_not_there(tmp_path, points, monkeypatch):

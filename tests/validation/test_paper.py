@@ -2,15 +2,19 @@
 
 import json
 
-import meshio
 import numpy as np
 import pandas as pd
 import pytest
 
 from taichi_silo.errors import BadInput
+from taichi_silo.runs import snapshot
+from taichi_silo.runs.run_folder import parameters, write_parameters
 from validation.paper import check, measures, statements
+from validation.paper.against_runs import against_paper, against_runs, of_case
 from validation.paper.cases import CASES, OUTLETS
-from validation.paper.measures import MEASURES, Damaged, Missing, RunFiles
+from validation.paper.measures import MEASURES, CaseRun, NotRun
+from validation.paper.recognise import recognised
+from validation.paper.scenes import scene_of
 
 WIDTH, HEIGHT, SPACING, WEIGHT = 0.2, 0.5, 0.005, 1600.0
 HEADER = """
@@ -30,6 +34,7 @@ def write_run(
     case = CASES[name]
     run = folder / name
     (run / "snapshots").mkdir(parents=True)
+    write_parameters(run, scene_of(case), {})
     normal = normal or (lambda state, wall, y: 2e3 * (1.0 - y / HEIGHT))
     shear = shear or (lambda state, wall, y: 0.3 * normal(state, wall, y))
     forces = forces or (lambda stage, s: {"P": 1000.0, "T": 300.0, "N": 600.0})
@@ -64,22 +69,21 @@ def write_run(
         field = np.full(len(x), case.void_ratio)
         if stage == "flow" and e is not None:
             field = field + np.broadcast_to(e(x, z, u), field.shape)
-        still = np.zeros((len(x), 3))
+        still = np.zeros((len(x), 2))
         fall = speed if velocity is None else velocity(x, z)
         still[:, 1] = -fall if stage == "flow" else 0.0
         sunk = u if case.opening.whole else 0.0
-        data = {
-            "void_ratio": field, "velocity": still, "volume_m2_per_m": np.full(len(x), SPACING**2),
-            "strain_path": 1e-3 + np.abs(field - case.void_ratio),
+        points = {
+            "position": np.column_stack([x, z - sunk]), "velocity": still, "void_ratio": field,
+            "volume": np.full(len(x), SPACING**2), "path": 1e-3 + np.abs(field - case.void_ratio),
+            "stress": np.zeros((len(x), 4)), "mass": np.ones(len(x)), "identity": np.arange(len(x)),
         }  # fmt: skip
-        points = np.column_stack([x, z - sunk, 0.0 * x])
-        mesh = meshio.Mesh(points, [("vertex", np.arange(len(x))[:, None])], point_data=data)
-        mesh.write(run / f"snapshots/{file}.vtu", file_format="vtu")
+        snapshot.write(run / f"snapshots/{file}.vtu", points)
         index.append({"file": f"{file}.vtu", "stage": stage, "time_s": u / speed, "displacement_m": u})
     pd.DataFrame(index).to_csv(run / "snapshots/index.csv", index=False)
     summary = {"finished": finished, "certificate": {"inertial_number_99th_percentile": 1e-4}}
     (run / "summary.json").write_text(json.dumps(summary | ({} if finished else {"failure": "it stopped"})))
-    return RunFiles(run)
+    return CaseRun(run)
 
 
 def verdicts(folder, text):
@@ -283,7 +287,8 @@ def test_missing_and_damaged_runs_say_so(tmp_path):
     (tmp_path / "loose_smooth_bottom/forces.csv").write_text("nothing,good\n1,2\n")
     write_run(tmp_path, "loose_very-rough_bottom")
     (tmp_path / "loose_very-rough_bottom/snapshots/flow_020.vtu").write_text("<broken")
-    (tmp_path / "dense_smooth_right-50").mkdir()
+    write_run(tmp_path, "dense_smooth_right-50")
+    (tmp_path / "dense_smooth_right-50/summary.json").unlink()
     test = 'tests = [{measure = "force", given = {name = "N"}, low = 1.0}, {measure = "mean_change", low = -1.0}]'
     cases = ("dense_smooth_bottom", "loose_smooth_bottom", "loose_very-rough_bottom", "dense_smooth_right-50",
              "dense_smooth_right-150")  # fmt: skip
@@ -294,10 +299,10 @@ def test_missing_and_damaged_runs_say_so(tmp_path):
         assert words in table.why[name]
     text = statement("a", "relation", more='tests = [{measure = "finished", low = 1}]')
     assert verdicts(tmp_path, text).agrees["a"] == "no"
-    with pytest.raises(Missing):
-        RunFiles(tmp_path / "dense_smooth_right-150").check()
-    with pytest.raises(Damaged):
-        RunFiles(tmp_path / "dense_smooth_bottom").check()
+    with pytest.raises(NotRun, match="not been run"):
+        CaseRun(tmp_path / "dense_smooth_right-150").check()
+    with pytest.raises(NotRun, match="it stopped"):
+        CaseRun(tmp_path / "dense_smooth_bottom").check()
 
 
 def test_without_any_run_all_is_said_and_written(tmp_path):
@@ -321,3 +326,58 @@ def test_the_real_statements_on_all_cases(tmp_path):
     table = check.evaluate(tmp_path)
     assert not (table.agrees == "not run").any(), table[table.agrees == "not run"].why.to_list()
     assert {"yes", "no", "partly", "by eye", "not checkable"} == set(table.agrees)
+
+
+# any run against the paper
+
+
+def test_each_of_the_papers_cases_is_recognised_from_its_parameters():
+    for name, case in CASES.items():
+        found = recognised(parameters(scene_of(case)))
+        assert found.case is case, name
+        assert found.differences == ()
+
+
+def test_what_was_computed_otherwise_is_named():
+    found = recognised(parameters(scene_of(CASES["dense_smooth_bottom"], cell_size_m=0.01, speed_m_per_s=0.005)))
+    assert found.case is CASES["dense_smooth_bottom"]
+    assert set(found.differences) == {("grid.cell_size_m", 0.01, 0.005), ("flow.speed_m_per_s", 0.005, 0.002)}
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [("silo.width_m", 0.25), ("sand.void_ratio", 0.65), ("sand.e_c0", 0.83), ("walls.friction_angle_deg", 20.0)],
+)
+def test_another_silo_is_none_of_the_papers(path, value):
+    tables = parameters(scene_of(CASES["dense_smooth_bottom"]))
+    name, key = path.split(".")
+    tables[name] = tables[name] | {key: value}
+    found = recognised(tables)
+    assert found.case is None
+    assert [one[0] for one in found.differences] == [path]
+
+
+def test_relations_need_the_other_run_too(tmp_path, capsys):
+    names = ("dense_smooth_bottom", "dense_very-rough_bottom")
+    runs = [write_run(tmp_path, name).result for name in names]
+    alone = against_paper(runs[1:])[0]
+    both = against_paper(runs)[1]
+    assert alone.known.case is CASES[names[1]]
+    assert alone.others > both.others > 0
+    assert "6.1-start-rougher" in set(both.rows.id) - set(alone.rows.id)
+    assert set(both.rows.agrees) <= {"yes", "partly", "no", "by eye"}
+    assert set(both.rows.case) == {names[1]}
+    assert len(both.rows) + both.others == len(alone.rows) + alone.others
+    against_runs([tmp_path / name for name in names], tmp_path / "out")
+    said = capsys.readouterr().out
+    assert "the paper's dense sand, very rough walls, whole bottom" in said
+    assert f"{both.others} more compare it with other cases" in said
+    assert len(pd.read_csv(tmp_path / "out" / "paper.csv")) == sum(len(one.rows) for one in against_paper(runs))
+
+
+def test_a_statement_is_judged_for_one_case_alone_without_the_reasons_of_other_runs():
+    one = next(one for one in statements.read()[0] if one.id == "6.1-start-rougher")
+    assert of_case(one, "dense_very-rough_bottom", {"dense_very-rough_bottom"}) is None
+    own = of_case(one, "dense_very-rough_bottom", {"dense_very-rough_bottom", "dense_smooth_bottom"})
+    assert own.needs == ["dense_very-rough_bottom", "dense_smooth_bottom"]
+    assert own.reason == "" and own.seen == ""

@@ -8,7 +8,7 @@ import pandas as pd
 
 from taichi_silo.errors import BadInput
 from validation.paper.cases import CASES
-from validation.paper.measures import MEASURES, READINGS, Damaged, Missing, RunFiles
+from validation.paper.measures import MEASURES, READINGS, CaseRun, NotRun
 from validation.paper.statements import FILE, Statement, Test, Tolerance, read
 
 VERDICTS = ("yes", "partly", "no", "by eye", "not run", "not checkable")
@@ -59,7 +59,7 @@ def evaluate(folder: Path, file: Path = FILE) -> pd.DataFrame:
 
     """
     statements, tolerances = read(file)
-    runs = {name: RunFiles(Path(folder) / name, case) for name, case in CASES.items()}
+    runs = {name: CaseRun(Path(folder) / name, case) for name, case in CASES.items()}
     rows = []
     for one in statements:
         ours, agrees, why = judge(one, tolerances[one.tolerance], runs)
@@ -68,7 +68,7 @@ def evaluate(folder: Path, file: Path = FILE) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
-def judge(statement: Statement, tolerance: Tolerance, runs: dict[str, RunFiles]) -> tuple[str, str, str]:
+def judge(statement: Statement, tolerance: Tolerance, runs: dict[str, CaseRun]) -> tuple[str, str, str]:
     """Our numbers in words, the verdict, and why, of one statement."""
     if statement.kind == "not checkable here":
         return "", "not checkable", statement.reason
@@ -82,14 +82,14 @@ def judge(statement: Statement, tolerance: Tolerance, runs: dict[str, RunFiles])
         return "", "by eye", f"look at {statement.figure} of {first}"
     try:
         found = [one for test in statement.tests for one in findings(statement, test, tolerance, runs)]
-    except (Missing, Damaged) as error:
+    except NotRun as error:
         return "", "not run", str(error)
     right = sum(one.agrees for one in found)
     agrees = "yes" if right == len(found) else "partly" if right else "no"
     return _words(found), agrees, "" if agrees == "yes" else statement.reason or _disagreement(found)
 
 
-def findings(statement: Statement, test: Test, tolerance: Tolerance, runs: dict[str, RunFiles]) -> list[Finding]:
+def findings(statement: Statement, test: Test, tolerance: Tolerance, runs: dict[str, CaseRun]) -> list[Finding]:
     """The numbers of one test: one a case and reading."""
     low = None if test.low is None else test.low - tolerance.share * abs(test.low)
     high = None if test.high is None else test.high + tolerance.share * abs(test.high)
@@ -101,7 +101,7 @@ def findings(statement: Statement, test: Test, tolerance: Tolerance, runs: dict[
     ]
 
 
-def _value(test: Test, case: str, reading: str, runs: dict[str, RunFiles]) -> float:
+def _value(test: Test, case: str, reading: str, runs: dict[str, CaseRun]) -> float:
     """A test's number; nan where it is not defined."""
     value = _measure(runs[case], test.measure, test.given, reading)
     for term, divides in ((test.over, True), (test.minus, False)):
@@ -117,24 +117,24 @@ def _value(test: Test, case: str, reading: str, runs: dict[str, RunFiles]) -> fl
     return value
 
 
-def _measure(run: RunFiles, name: str, given: dict, reading: str) -> float:
+def _measure(run: CaseRun, name: str, given: dict, reading: str) -> float:
     """A measure of a run; whatever its broken files raise is said as damage."""
     words = given | ({"reading": reading} if reading and name in READINGS else {})
     try:
         return float(MEASURES[name](run, **words))
-    except (Missing, Damaged):
+    except NotRun:
         raise
     except (ArithmeticError, KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
-        raise Damaged(f"folder {run.case.name} is damaged: it gives no {name} ({error!r})") from error
+        raise run.damaged(f"it gives no {name} ({error!r})") from error
 
 
-def _missing(statement: Statement, runs: dict[str, RunFiles]) -> str:
+def _missing(statement: Statement, runs: dict[str, CaseRun]) -> str:
     """Which runs of a statement are missing or damaged, in words."""
     said, failed = [], bool(statement.tests) and all(test.measure == "finished" for test in statement.tests)
     for name in statement.needs:
         try:
             runs[name].check(failed)
-        except (Missing, Damaged) as error:
+        except NotRun as error:
             said.append(str(error))
     if len(said) > FEW:
         return f"{said[0]}, and {len(said) - 1} more runs are missing"

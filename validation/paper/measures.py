@@ -3,9 +3,9 @@
 import numpy as np
 
 from validation.paper import zones
-from validation.paper.files import Damaged, Missing, RunFiles
+from validation.paper.files import CaseRun, NotRun
 
-__all__ = ["MEASURES", "READINGS", "Damaged", "Missing", "RunFiles"]
+__all__ = ["MEASURES", "READINGS", "CaseRun", "NotRun"]
 
 EARLY, LATE, LAST = (0.0, 0.05), (0.70, 0.75), (0.95, 1.0)  # parts of flow; the last is the residual state
 STILL_PA = 30.0  # of a mean stress: a smaller change is none
@@ -16,7 +16,7 @@ SIDES = ("left", "right")
 # forces
 
 
-def force(run: RunFiles, name: str, state: str = "residual") -> float:
+def force(run: CaseRun, name: str, state: str = "residual") -> float:
     """P, T, N [N/m] or angle [degrees]: "filling", "early", "least", "largest" or "residual"."""
     if state == "filling":
         return float(run.filled[name])
@@ -25,12 +25,12 @@ def force(run: RunFiles, name: str, state: str = "residual") -> float:
     return run.mean(name, *{"early": EARLY, "residual": LAST}[state])
 
 
-def force_change(run: RunFiles, name: str, begin: str, end: str) -> float:
+def force_change(run: CaseRun, name: str, begin: str, end: str) -> float:
     """Change of a force between two states, over the weight of the fill [-]."""
     return (force(run, name, end) - force(run, name, begin)) / float(run.filled["weight_N_per_m"])
 
 
-def force_drift(run: RunFiles, name: str) -> float:
+def force_drift(run: CaseRun, name: str) -> float:
     """How much a force still changes between 3/4 of the displacement and its end, over its residual value [-]."""
     last = force(run, name)
     return abs(last - run.mean(name, *LATE)) / max(abs(last), 1e-9)
@@ -40,7 +40,7 @@ def force_drift(run: RunFiles, name: str) -> float:
 
 
 def largest_stress_kPa(
-    run: RunFiles, stress: str = "normal", wall: str = "either", state: str = "flow", part: str = "all",
+    run: CaseRun, stress: str = "normal", wall: str = "either", state: str = "flow", part: str = "all",
     reading: str = "node",
 ) -> float:  # fmt: skip
     """Largest stress [kPa] on a wall ("either": on both) in a state ("flow": maximum and residual).
@@ -56,7 +56,7 @@ def largest_stress_kPa(
 
 
 def stress_ratio(
-    run: RunFiles, stress: str = "normal", wall: str = "both", state: str = "residual", part: str = "all"
+    run: CaseRun, stress: str = "normal", wall: str = "both", state: str = "residual", part: str = "all"
 ) -> float:
     """Mean stress of a part of a wall over that of the same heights after filling.
 
@@ -74,7 +74,7 @@ def stress_ratio(
     return float(flow[chosen].mean() / base) if base > 0.0 else np.nan
 
 
-def transition_mm(run: RunFiles, stress: str = "normal", wall: str = "both", state: str = "residual") -> float:
+def transition_mm(run: CaseRun, stress: str = "normal", wall: str = "both", state: str = "residual") -> float:
     """Height [mm] below which the stress has fallen since filling, and above which it has risen; nan if there is none.
 
     It parts the profile (as pressure cells read it) so that the mean rise above less that below is largest.
@@ -90,13 +90,13 @@ def transition_mm(run: RunFiles, stress: str = "normal", wall: str = "both", sta
     return 1e3 * float(level)
 
 
-def profile_change(run: RunFiles, stress: str = "normal", wall: str = "both", state: str = "maximum") -> float:
+def profile_change(run: CaseRun, stress: str = "normal", wall: str = "both", state: str = "maximum") -> float:
     """Mean of |stress - stress after filling| over the mean stress after filling, as pressure cells read it [-]."""
     _, flow, filled = _against_filling(run, stress, wall, state)
     return float(np.abs(flow - filled).mean() / filled.mean())
 
 
-def oscillation(run: RunFiles, stress: str = "normal", wall: str = "either", state: str = "maximum") -> float:
+def oscillation(run: CaseRun, stress: str = "normal", wall: str = "either", state: str = "maximum") -> float:
     """Root mean square of a stress about a cubic through it, over its mean, node by node [-]; the larger wall."""
     if wall == "either":
         return max(oscillation(run, stress, side, state) for side in SIDES)
@@ -106,7 +106,7 @@ def oscillation(run: RunFiles, stress: str = "normal", wall: str = "either", sta
     return float(np.sqrt(np.mean(rest**2)) / max(abs(value.mean()), 1.0))
 
 
-def linearity(run: RunFiles, stress: str = "normal", wall: str = "both", state: str = "maximum") -> float:
+def linearity(run: CaseRun, stress: str = "normal", wall: str = "both", state: str = "maximum") -> float:
     """Share of the variance of a stress that a straight line over the height explains [-]."""
     return float(np.corrcoef(*run.profile(state, wall, stress))[0, 1] ** 2)
 
@@ -116,7 +116,7 @@ def _against_filling(run, stress, wall, state):
     before, filled = run.profile("filling", wall, stress, "cell")
     common = (height >= before[0]) & (height <= before[-1])
     if common.sum() < 4:
-        raise Damaged(f"folder {run.case.name} is damaged: walls.csv has no heights in common")
+        raise run.damaged("walls.csv has no heights in common")
     return height[common], flow[common], np.interp(height[common], before, filled)
 
 
@@ -128,12 +128,12 @@ def _part(run, part, height):
 # the run itself
 
 
-def finished(run: RunFiles) -> float:
+def finished(run: CaseRun) -> float:
     """1 if it came to its end."""
     return float(run.summary.get("finished", False))
 
 
-def inertial_number(run: RunFiles) -> float:
+def inertial_number(run: CaseRun) -> float:
     """Its 99th percentile in flow [-]; nan if the run does not tell."""
     found = run.summary.get("certificate", {}).get("inertial_number_99th_percentile")
     return np.nan if found is None else float(found)

@@ -4,8 +4,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 CELL_M = 0.02  # height of a pressure cell [m]: a usual size in model silos
+HOPPER_CELL_M = 0.05  # on inclined walls [m], where single rows of the grid mean little
 CORNER_M = 0.0125  # above the bottom [m]: stresses there belong to the corner
 SURFACE = 0.9  # of the fill height: above, the stress is a few pascals, and the law is not calibrated for it
+
+
+def clear_of_corner(height_m: NDArray, cell_m: float = CELL_M) -> NDArray:
+    """Which nodes, by their rising heights (n,) [m], have a pressure cell that does not reach into the corner."""
+    return height_m > np.min(height_m, initial=np.inf) + CORNER_M + 0.5 * cell_m
 
 
 def cell_mean(height_m: ArrayLike, stress_Pa: ArrayLike, cell_m: float = CELL_M) -> NDArray:

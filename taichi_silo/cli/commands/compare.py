@@ -10,7 +10,7 @@ from taichi_silo.utils.console import Console
 
 FoldersArgument = Annotated[list[Path], Argument(metavar="DIR", help="runs; the others are set against the first")]
 JanssenFlag = Annotated[bool, Option("--janssen", help="add Janssen's theory to figures and tables")]
-PaperFlag = Annotated[bool, Option("--paper", help="add what the paper states of each run's case")]
+PaperFlag = Annotated[bool, Option("--paper", hidden=True)]  # of version 0.2; refused with what does it now
 CsvOption = Annotated[
     list[Path] | None,
     Option(
@@ -36,27 +36,27 @@ def compare(
 ):
     """Lay runs over each other: forces, wall stresses, and a table of their differences.
 
-    Leaves compare.csv and two figures; with the flags janssen.csv, deviation.csv, paper.csv.
+    Leaves compare.csv and two figures; with the flags janssen.csv, deviation.csv.
 
         taichi-silo compare outputs/smooth outputs/rough
         taichi-silo compare outputs/smooth --janssen
         taichi-silo compare outputs/rough --csv measured.csv
-        taichi-silo compare outputs/rough outputs/smooth --paper --output both
     """
+    from taichi_silo.errors import BadInput
     from taichi_silo.studies.compare import show
     from taichi_silo.studies.compare.whole import compared
 
     console = Console(quiet=quiet, as_json=json)
-    found = compared(folders, output, janssen=janssen, paper=paper, csv=csv or [])
+    if paper:
+        raise BadInput(
+            "--paper is no more; python -m validation.paper.against_runs DIR ... sets runs beside what the paper states"
+        )
+    found = compared(folders, output, janssen=janssen, csv=csv or [])
     tables = [show.differences(found.differences)] if len(found.runs) > 1 else []
     tables += [] if found.janssen is None else [show.janssen(found.janssen)]
     if found.deviations is not None:
         tables += [show.deviations(rows) for _, rows in found.deviations.groupby("file", sort=False)]
     for table in tables:
         console.terminal.print(table)
-    for one in found.paper:
-        if one.known.case is not None:
-            console.terminal.print(show.paper(one))
-        console.say(*show.paper_words(one))
     console.say("", f"The comparison is in {output}: {', '.join(file.name for file in found.files)}")
     console.result(found.as_json())

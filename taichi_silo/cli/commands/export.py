@@ -28,7 +28,7 @@ def command(
     taichi-silo export outputs/silo --format csv --output tables
     """
     from taichi_silo.errors import BadInput
-    from taichi_silo.runs.history import History
+    from taichi_silo.runs.result import Result
     from taichi_silo.runs.run_folder import no_link, writable
     from taichi_silo.show.export import tables, vtkhdf
     from taichi_silo.utils.bounded_reading import as_left, place
@@ -37,9 +37,9 @@ def command(
     formats = {"vtkhdf": (vtkhdf.write, "silo.vtkhdf"), "csv": (tables.write, "csv")}
     if kind not in formats:
         raise BadInput(f"format is {kind}; it must be one of {', '.join(formats)}")
-    console, history = Console(quiet, json), History.read(folder)
+    console, run = Console(quiet, json), Result(folder).need_states()
     write, name = formats[kind]
-    target = place(output, "output") if output else history.folder / name
+    target = place(output, "output") if output else run.folder / name
     there = any(target.glob("*")) if target.is_dir() else target.exists()
     if there and not overwrite:
         raise BadInput(f"output {target} is there already; give another name, or --overwrite to replace it")
@@ -48,10 +48,10 @@ def command(
     no_link(target, target.with_name(f"{target.name}.part"), *(target.glob("*.csv") if target.is_dir() else ()))
     writable(target.parent)
     with console.progress() as progress:
-        task = progress.add_task("writing", total=len(history.index))
+        task = progress.add_task("writing", total=len(run.snapshots))
         try:
-            with as_left(history.folder):
-                count = write(history, target, lambda: progress.advance(task))
+            with as_left(run.folder):
+                count = write(run, target, lambda: progress.advance(task))
         except OSError as error:
             raise of_file(error, target) from error
     files = [target] if target.is_file() else [*target.glob("*.csv")]

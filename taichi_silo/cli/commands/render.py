@@ -49,8 +49,8 @@ def command(
     taichi-silo render outputs/silo --field mean_stress --frame 10
     """
     from taichi_silo.errors import MachineFailed
-    from taichi_silo.runs.history import History
     from taichi_silo.runs.point_fields import field as known
+    from taichi_silo.runs.result import Result
     from taichi_silo.show.film import renderer
     from taichi_silo.show.film.encoder import FilmError
     from taichi_silo.utils.bounded_reading import as_left
@@ -59,7 +59,7 @@ def command(
     known(field)
     _check(seconds, speed, fps, frame)
     look, console = renderer.Look(field, _limits(limits), _size(size)), Console(quiet, json)
-    history = History.read(folder)
+    history = Result(folder).need_states()
     try:
         with as_left(history.folder):
             if frame is None:
@@ -71,7 +71,7 @@ def command(
                 number, unit = _number(history, frame)
                 file = _free(output or history.folder / f"{field}_{frame:g}{unit}.png", ".png", overwrite)
                 drawn = renderer.still(history, file, number, look)
-                found = {"picture": str(file), "snapshot": str(history.index["file"].iloc[number])}
+                found = {"picture": str(file), "snapshot": str(history.snapshots["file"].iloc[number])}
     except OSError as error:
         raise of_file(error, file) from error
     except FilmError as error:

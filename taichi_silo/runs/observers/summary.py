@@ -11,7 +11,7 @@ import pandas as pd
 
 from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.void_ratio_zones import interior_zone_count, wall_zone_thickness_m
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import CORNER_M, cell_mean, clear_of_corner
 from taichi_silo.analysis.theory.janssen import pressure_ratio_from_normal_force
 from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.runs.certificate import certificate
@@ -20,10 +20,10 @@ from taichi_silo.runs.method_choices import parts
 from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.observers.forces import rows_of
 from taichi_silo.runs.observers.wall_profiles import WallProfiles
+from taichi_silo.runs.result import at_rest, residual
 from taichi_silo.runs.theories import janssen_of, theory_of
 from taichi_silo.utils import atomic_write
 
-RESIDUAL_SHARE = 0.05  # of the final displacement: the last part, whose mean is the residual state
 MEASURED = (0.9, 1.0)  # of the flow: between which its pattern is measured
 EARLY = 0.15  # of the sand: free outflow is measured until so much has left
 PROFILE_BAND = (0.2, 0.8)  # of the height: where the pressure ratio is measured, away from surface and corner
@@ -163,7 +163,7 @@ class Summary(Observer):
         filling, flow = records[records.stage == "filling"], records[records.stage == "flow"]
         found = {"weight_N_per_m": self.simulation.mass * self.simulation.gravity}
         if not filling.empty:
-            found["filling"] = _means(filling.tail(period))
+            found["filling"] = _means(at_rest(filling, period))
         if len(flow) < period:
             return found
         smooth = flow[list(NAMES)].rolling(period, center=True, min_periods=period).mean()
@@ -177,8 +177,7 @@ class Summary(Observer):
                 "value": float(smooth[name][where]),
                 "displacement_m": float(flow.displacement_m[where]),
             }
-        last = flow[flow.displacement_m >= flow.displacement_m.max() * (1.0 - RESIDUAL_SHARE)]
-        found["residual"] = _means(last)
+        found["residual"] = _means(residual(flow))
         return found
 
     def _janssen(self, filling: dict) -> dict:
@@ -225,9 +224,8 @@ class Summary(Observer):
             for _, wall in rows.groupby("wall"):
                 height, stress = wall.height_m.to_numpy(), wall.normal_stress_Pa.to_numpy()
                 inside = height > height[0] + CORNER_M
-                clear = height > height[0] + CORNER_M + 0.5 * CELL_M
                 node = max(node, float(stress[inside].max(initial=0.0)))
-                cell = max(cell, float(cell_mean(height, stress)[clear].max(initial=0.0)))
+                cell = max(cell, float(cell_mean(height, stress)[clear_of_corner(height)].max(initial=0.0)))
             found[state] = {"node": node, "pressure_cell": cell}
         return found
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from taichi_silo.analysis.measure.overpressure import largest_overpressure
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import cell_mean, clear_of_corner
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.runs.observers import Observer
 from taichi_silo.simulation.discretise import BOTTOM, LEFT, RIGHT
@@ -162,7 +162,7 @@ class WallProfiles(Observer):
                 above = height >= scene.silo.transition_m - 1e-9
                 height, stress = height[above], sign * stress[above, 0]
                 read = cell_mean(height, stress)
-                clear = np.flatnonzero(height > height.min(initial=np.inf) + CORNER_M + 0.5 * CELL_M)
+                clear = np.flatnonzero(clear_of_corner(height))
                 if not len(clear):  # hardly any vertical wall above a hopper
                     continue
                 k = clear[np.argmax(read[clear])]

@@ -5,16 +5,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from taichi_silo.runs import snapshot
-from taichi_silo.runs.history import History
 from taichi_silo.runs.point_fields import FIELDS
+from taichi_silo.runs.result import Result
 
 
-def states(history: History) -> Iterator[tuple[dict, np.ndarray, dict[str, np.ndarray]]]:
+def states(run: Result) -> Iterator[tuple[dict, np.ndarray, dict[str, np.ndarray]]]:
     """Row of the index, places (n, 2) [m], and arrays by names with units, of each state in the order of time."""
-    for number, row in enumerate(history.index.to_dict("records")):
-        points = history.state(number)
+    for number, row in enumerate(run.snapshots.to_dict("records")):
+        points = run.state(number)
         arrays = snapshot.stored(points)
         for field in FIELDS.values():
             if field.column not in arrays:
-                arrays[field.column] = field.values(points, history.start, history.scene).astype(np.float32)
+                arrays[field.column] = field.values(points, run.start, run.scene).astype(np.float32)
         yield row, points["position"], arrays

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from taichi_silo.runs.history import History
+from taichi_silo.runs.result import Result
 from taichi_silo.show.export.states import states
 
 COMPONENTS = {"velocity": ("x", "y"), "stress_Pa": ("xx", "yy", "zz", "xy")}
@@ -15,12 +15,12 @@ NAMES = {"velocity": "velocity_{}_m_per_s", "stress_Pa": "stress_{}_Pa"}
 DIGITS = {np.dtype(np.float32): 7, np.dtype(np.float64): 10}
 
 
-def write(history: History, target: Path, seen: Callable[[], None] = lambda: None) -> int:
+def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) -> int:
     """Write a folder of tables; it is there when all are complete, or not at all.
 
     Parameters
     ----------
-    history : of the run.
+    run : whose states are written.
     target : the folder; tables of an earlier export are replaced.
     seen : hears of each state that is written.
 
@@ -34,7 +34,7 @@ def write(history: History, target: Path, seen: Callable[[], None] = lambda: Non
     passing.mkdir()
     try:
         rows = []
-        for row, position, arrays in states(history):
+        for row, position, arrays in states(run):
             file = f"{Path(row['file']).stem}.csv"
             _table(position, arrays).to_csv(passing / file, index=False, encoding="utf-8")
             rows.append({**row, "file": file})

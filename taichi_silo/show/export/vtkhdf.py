@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from taichi_silo.runs.history import History
+from taichi_silo.runs.result import Result
 from taichi_silo.show.export.states import states
 from taichi_silo.utils import atomic_write, vtu
 
@@ -20,12 +20,12 @@ CHUNK_BYTES = 1 << 18
 PACKED = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 
 
-def write(history: History, target: Path, seen: Callable[[], None] = lambda: None) -> int:
+def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) -> int:
     """Write it; it is there when it is complete, or not at all.
 
     Parameters
     ----------
-    history : of the run.
+    run : whose states are written.
     target : the file.
     seen : hears of each state that is written.
 
@@ -41,7 +41,7 @@ def write(history: History, target: Path, seen: Callable[[], None] = lambda: Non
             root.attrs["Version"] = VERSION
             root.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", 16))
             counts, times, series = [], [], Series(root)
-            for row, position, arrays in states(history):
+            for row, position, arrays in states(run):
                 series.append(position, arrays)
                 sink.check()
                 counts.append(len(position))

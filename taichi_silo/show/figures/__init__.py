@@ -9,11 +9,11 @@ from pathlib import Path
 import pandas as pd
 from matplotlib import rc_context
 
+from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import no_link
 from taichi_silo.show.figures.batch import batch_figure
 from taichi_silo.show.figures.forces import case_angles_figure, case_forces_figure, run_angle_figure, run_forces_figure
 from taichi_silo.show.figures.response import response_figure
-from taichi_silo.show.figures.run_files import RunFiles
 from taichi_silo.show.figures.style import STYLE
 from taichi_silo.show.figures.void_ratio import case_void_ratio_figure, run_void_ratio_figure
 from taichi_silo.show.figures.wall_stress import case_wall_stress_figure, run_wall_stress_figure
@@ -43,7 +43,7 @@ def plot_run(folder: Path) -> list[Path]:
     folder : Path
         The run's folder; the figures go to `folder/figures`.
     """
-    return _draw(RUN_FIGURES, RunFiles.read(folder), Path(folder) / "figures")
+    return _draw(RUN_FIGURES, Result(folder, tolerant=True), Path(folder) / "figures")
 
 
 def plot_cases(folders: dict[str, Path], target: Path) -> list[Path]:
@@ -56,8 +56,7 @@ def plot_cases(folders: dict[str, Path], target: Path) -> list[Path]:
     target : Path
         Folder of the figures.
     """
-    runs = [RunFiles.read(folder, label) for label, folder in folders.items()]
-    return _draw(CASE_FIGURES, runs, Path(target))
+    return _draw(CASE_FIGURES, _runs(folders), Path(target))
 
 
 def plot_batch(folders: dict[str, Path], target: Path) -> list[Path]:
@@ -70,7 +69,7 @@ def plot_batch(folders: dict[str, Path], target: Path) -> list[Path]:
     target : Path
         Folder of the figure.
     """
-    return _draw({"forces": batch_figure}, [RunFiles.read(folder, name) for name, folder in folders.items()], target)
+    return _draw({"forces": batch_figure}, _runs(folders), Path(target))
 
 
 def plot_response(table: pd.DataFrame, varied: list[str], response, target: Path) -> list[Path]:
@@ -88,6 +87,10 @@ def plot_response(table: pd.DataFrame, varied: list[str], response, target: Path
         Folder of the figure.
     """
     return _draw({"response": lambda rows: response_figure(rows, varied, response)}, table, target)
+
+
+def _runs(folders: dict[str, Path]) -> list[Result]:
+    return [Result(folder, label, tolerant=True) for label, folder in folders.items()]
 
 
 def _draw(figures, data, target: Path) -> list[Path]:

@@ -2,26 +2,14 @@
 
 from matplotlib.figure import Figure
 
-from taichi_silo.show.figures.forces import FORCES, force, running_median, x_axis
-from taichi_silo.show.figures.run_files import RunFiles
-from taichi_silo.show.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    new_figure,
-    start_at_zero,
-)
+from taichi_silo.runs.result import Result
+from taichi_silo.show.figures.forces import FORCES, running_median, x_axis
+from taichi_silo.show.figures.style import COLORS, new_figure, start_at_zero
 
-COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 OTHERS = "#B0B0B0"
-RESIDUAL = 0.95  # of the displacement: where the residual state begins
 
 
-def batch_figure(runs: list[RunFiles]) -> Figure | None:
+def batch_figure(runs: list[Result]) -> Figure | None:
     """Return P, T and N of all runs over the bottom displacement, or None if none has flowed.
 
     Up to seven runs have a colour each; of more, seven from the least to the largest residual N have one.
@@ -37,7 +25,7 @@ def batch_figure(runs: list[RunFiles]) -> Figure | None:
             x = 1e3 * run.flow["displacement_m"]
             coloured = run.label in chosen
             panel.plot(
-                x, running_median(x, force(run.flow, name)), color=chosen.get(run.label, OTHERS),
+                x, running_median(x, run.flow[name] / 1e3), color=chosen.get(run.label, OTHERS),
                 linewidth=1.8 if coloured else 0.8, label=run.label if coloured else None,
             )  # fmt: skip
         panel.set_ylabel(label)
@@ -50,15 +38,10 @@ def batch_figure(runs: list[RunFiles]) -> Figure | None:
     return figure
 
 
-def _spread(runs: list[RunFiles]) -> list[RunFiles]:
+def _spread(runs: list[Result]) -> list[Result]:
     """All runs, or as many as there are colours, evenly from the least to the largest residual N."""
     if len(runs) <= len(COLORS):
         return runs
-    ordered = sorted(runs, key=_residual)
+    ordered = sorted(runs, key=lambda run: run.residual["N"])
     last = len(COLORS) - 1
     return [ordered[round(k * (len(ordered) - 1) / last)] for k in range(len(COLORS))]
-
-
-def _residual(run: RunFiles) -> float:
-    late = run.flow["displacement_m"] >= RESIDUAL * run.flow["displacement_m"].max()
-    return float(force(run.flow[late], "N").mean())

@@ -7,23 +7,10 @@ from matplotlib import rc_context
 from matplotlib.ticker import MaxNLocator
 
 from taichi_silo.show.figures.forces import ANGLE, FORCES
-from taichi_silo.show.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    REFERENCE,
-    SKY,
-    STYLE,
-    VERMILLION,
-    new_figure,
-    start_at_zero,
-)
+from taichi_silo.show.figures.style import COLORS, REFERENCE, STYLE, new_figure, start_at_zero
 from taichi_silo.show.figures.wall_stress import STATES, STRESSES
 from taichi_silo.utils import atomic_write
 
-COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 LINES = ("-", (0, (5, 1.5)), (0, (1, 1)))  # from the eighth run on colours come again with another line
 LABELS = FORCES | {"angle": ANGLE}
 WALL_FORCES = {"left_normal": "N", "right_normal": "N", "left_shear": "T", "right_shear": "T"}

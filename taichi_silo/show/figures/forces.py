@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from taichi_silo.show.figures.run_files import by_void_ratio, sand_title
+from taichi_silo.runs.result import Result
+from taichi_silo.show import theory
 from taichi_silo.show.figures.style import (
     BLUE,
     GREEN,
@@ -17,8 +18,10 @@ from taichi_silo.show.figures.style import (
     put_title,
     start_at_zero,
 )
+from taichi_silo.show.titles import sand_title, title
 
 SMOOTHING = 0.005  # window of the median lines, as a fraction of the whole displacement
+LEAST_SHARE = 0.01  # of the weight: a smaller N makes no angle
 ASYMMETRY = 0.05  # difference of the walls' forces, relative to their mean, from which on each wall is drawn
 
 FORCES = {
@@ -29,21 +32,17 @@ FORCES = {
 ANGLE = r"wall friction angle $\varphi_w$ = arctan(T/N) (°)"
 
 
-def force(rows, name: str):
-    """Return P, T or N [kN/m] of rows of `forces.csv`; T and N are means of both walls."""
-    if name == "P":
-        return rows["bottom_force_N_per_m"] / 1e3
-    return 0.5 * (wall_force(rows, name, "left") + wall_force(rows, name, "right"))
-
-
-def wall_force(rows, name: str, wall: str):
-    """Return T or N [kN/m] of one wall."""
-    return rows[f"{wall}_{'shear' if name == 'T' else 'normal'}_N_per_m"] / 1e3
+def by_void_ratio(runs: list[Result]) -> list[list[Result]]:
+    """The runs in groups of equal initial void ratio, densest first."""
+    groups = {}
+    for run in runs:
+        groups.setdefault(round(run.scene.sand.void_ratio, 3), []).append(run)
+    return [groups[void_ratio] for void_ratio in sorted(groups)]
 
 
 def angle(rows):
-    """Return the wall friction angle [degrees] of rows of `forces.csv`; nan while the walls carry nothing."""
-    known = force(rows, "N") > 1e-5 * rows["weight_N_per_m"]  # 1 % of the weight
+    """Wall friction angle [degrees] of rows of `forces.csv`; nan while the walls carry less than 1 % of the weight."""
+    known = rows["N"] > LEAST_SHARE * rows["weight_N_per_m"]
     return np.where(known, rows["wall_friction_angle_deg"], np.nan)
 
 
@@ -54,10 +53,10 @@ def run_forces_figure(run):
     figure = new_figure(11.0, 4.6)
     panels = dict(zip(FORCES, figure.subplots(1, 3), strict=True))
     for (name, panel), color in zip(panels.items(), (BLUE, VERMILLION, GREEN), strict=True):
-        _curve(panel, run, lambda rows, name=name: force(rows, name), color, "median", raw_label="every row")
+        _curve(panel, run, lambda rows, name=name: rows[name] / 1e3, color, "median", raw_label="every row")
         if name != "P":
             _each_wall(panel, run, name, color)
-        if run.wall_kind != "very-rough":
+        if run.scene.walls.kind != "very-rough":
             _janssen_line(panel, run, name)
         panel.set_ylabel(FORCES[name])
         x_axis(panel, [run])
@@ -65,7 +64,7 @@ def run_forces_figure(run):
     origin = "T, N: mean of both walls"
     if run.filled is not None:
         origin += f"; weight W = {run.filled['weight_N_per_m'] / 1e3:.3g} kN/m"
-    put_title(figure, f"Forces per metre run: {run.title}", origin)
+    put_title(figure, f"Forces per metre run: {title(run)}", origin)
     _legend_below(figure, max(panels.values(), key=lambda panel: len(panel.get_lines())), columns=6)
     return figure
 
@@ -78,7 +77,7 @@ def run_angle_figure(run):
     panel = figure.subplots()
     _curve(panel, run, angle, BLUE, "median", raw_label="every row")
     _reference_angle(panel, run)
-    words = textwrap.fill(run.title.replace(" mm", "\u00a0mm"), 88)  # no line may begin with a unit
+    words = textwrap.fill(title(run).replace(" mm", "\u00a0mm"), 88)  # no line may begin with a unit
     panel.set_title(f"Mobilised wall friction\n{words}", fontsize=11)
     panel.set_ylabel(ANGLE)
     x_axis(panel, [run])
@@ -98,8 +97,8 @@ def case_forces_figure(runs):
         for row, (name, label) in enumerate(FORCES.items()):
             panel = panels[row, column]
             for run, color in zip(group, line_colors(group), strict=True):
-                _curve(panel, run, lambda rows, name=name: force(rows, name), color, run.label)
-                if run.wall_kind != "very-rough":
+                _curve(panel, run, lambda rows, name=name: rows[name] / 1e3, color, run.label)
+                if run.scene.walls.kind != "very-rough":
                     _janssen_line(panel, run, name)
             if column == 0:
                 panel.set_ylabel(label)
@@ -138,8 +137,7 @@ def _drawable(runs):
 
 
 def _group_title(column: int, group) -> str:
-    known = np.isfinite(group[0].void_ratio)
-    return f"{chr(65 + column)}) " + (sand_title(group[0]) if known else "unknown sand")
+    return f"{chr(65 + column)}) {sand_title(group[0].scene.sand)}"
 
 
 def _curve(panel, run, quantity, color, label, raw_label=None):
@@ -173,8 +171,9 @@ def _each_wall(panel, run, name: str, color):
     rows = run.flow
     if rows.empty:
         return
-    walls = {wall: wall_force(rows, name, wall) for wall in ("left", "right")}
-    if abs(walls["left"].mean() - walls["right"].mean()) < ASYMMETRY * abs(force(rows, name).mean()):
+    part = "shear" if name == "T" else "normal"
+    walls = {wall: rows[f"{wall}_{part}_N_per_m"] / 1e3 for wall in ("left", "right")}
+    if abs(walls["left"].mean() - walls["right"].mean()) < ASYMMETRY * abs(rows[name].mean() / 1e3):
         return
     x = 1e3 * rows["displacement_m"]
     for (wall, y), line in zip(walls.items(), ("-.", ":"), strict=True):
@@ -206,8 +205,8 @@ def running_median(x, y) -> pd.Series:
 
 def _janssen_line(panel, run, name: str):
     """Draw Janssen's force as a dashed line."""
-    origin, ratio = next(iter(run.pressure_ratios.items()))
-    fill = run.janssen(ratio)
+    origin, ratio = next(iter(theory.pressure_ratios(run).items()))
+    fill = theory.janssen(run, ratio)
     if fill is None:
         return
     value = {
@@ -220,10 +219,7 @@ def _janssen_line(panel, run, name: str):
 
 def _reference_angle(panel, run):
     """Draw the friction angle of the wall, or of critical simple shear along a very rough one."""
-    reference = run.wall_angle_deg
-    if reference is None:
-        return
-    rough = run.wall_kind == "very-rough"
+    reference, rough = theory.wall_angle_deg(run), run.scene.walls.kind == "very-rough"
     name = "critical simple shear" if rough else "wall friction"
     _reference_line(panel, reference, ":" if rough else "--", f"{name}, {reference:.3g}°")
 
@@ -239,7 +235,7 @@ def x_axis(panel, group):
         panel.set_xlim(left=0.0)
     else:
         last = max(run.flow["displacement_m"].max() for run in group if not run.flow.empty)
-        what = "bottom" if all(run.silo.floor_is_outlet for run in group) else "outlet"
+        what = "bottom" if all(run.scene.silo.floor_is_outlet for run in group) else "outlet"
         panel.set_xlabel(f"displacement u of the {what} (mm)")
         if last > 0.0:
             panel.set_xlim(0.0, 1e3 * last)

@@ -13,6 +13,7 @@ BLACK, BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (  # palette of Okabe and 
     "#E69F00",
     "#56B4E9",
 )
+COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)  # one after the other, where they mean nothing
 REFERENCE = "#555555"  # theory and reference lines
 
 STYLE = {
@@ -66,7 +67,7 @@ def line_colors(runs) -> list[str]:
     """Return a colour for each run: blue for smooth walls, vermillion for very rough ones, then any other."""
     colors = []
     for run in runs:
-        wanted = {"smooth": BLUE, "very-rough": VERMILLION}.get(run.wall_kind, GREEN)
+        wanted = {"smooth": BLUE, "very-rough": VERMILLION}[run.scene.walls.kind]
         order = (wanted, GREEN, PURPLE, ORANGE, SKY, BLACK, BLUE, VERMILLION)
         colors.append(next((color for color in order if color not in colors), BLACK))
     return colors

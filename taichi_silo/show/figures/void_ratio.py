@@ -6,8 +6,10 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.patches import Polygon
 
-from taichi_silo.show.figures.run_files import by_void_ratio
+from taichi_silo.runs.snapshot import figured
+from taichi_silo.show.figures.forces import by_void_ratio
 from taichi_silo.show.figures.style import new_figure, put_title
+from taichi_silo.show.titles import title
 
 DISPLACEMENTS_MM = (0.0, 2.0, 5.0, 10.0, 20.0)
 BEYOND = 1.05  # times the last of them: a run that goes on is shown at its end as well
@@ -21,11 +23,9 @@ def chosen_snapshots(run) -> list:
 
     A run that ended early shows its last state in place of the first displacement that it did not reach.
     """
-    present = [(run.folder / "snapshots" / str(file)).exists() for file in run.snapshots["file"]]
-    index = run.snapshots[present]
+    index = figured(run.snapshots)
     if index.empty:
         return [None] * len(DISPLACEMENTS_MM)
-    index = index.sort_values("time_s", kind="stable")
     if run.free:  # by what has left
         flow = index[index["stage"] == "flow"]
         some = [*index[index["stage"] != "flow"].tail(1).iterrows(), *flow.head(len(DISPLACEMENTS_MM) - 1).iterrows()]
@@ -48,11 +48,18 @@ def chosen_snapshots(run) -> list:
 
 def _with_end(run, rows: list) -> list:
     """Return chosen rows of the index, and the last state of a run that has gone far beyond them."""
-    flow = run.snapshots[run.snapshots["stage"] == "flow"]
-    there = [row for _, row in flow.iterrows() if (run.folder / "snapshots" / str(row["file"])).exists()]
-    if rows and there and there[-1]["displacement_m"] > BEYOND * rows[-1]["displacement_m"]:
-        return [*rows, there[-1]]
-    return rows
+    index = figured(run.snapshots)
+    last = index[index["stage"] == "flow"].tail(1)
+    beyond = rows and len(last) and last["displacement_m"].iloc[0] > BEYOND * rows[-1]["displacement_m"]
+    return [*rows, last.iloc[0]] if beyond else rows
+
+
+def _field(run, file: str):
+    """Places (n, 2) [m] of a stored state, void ratio (n,), and side (n,) [m] of the square each point stands for."""
+    points = run.state(file.removesuffix(".vtu"))
+    place, void_ratio, volume = points["position"], points["void_ratio"], points["volume"]
+    finite = np.isfinite(place).all(axis=1) & np.isfinite(void_ratio) & (volume > 0.0)
+    return place[finite], void_ratio[finite], np.sqrt(volume[finite])
 
 
 def run_void_ratio_figure(run):
@@ -60,7 +67,7 @@ def run_void_ratio_figure(run):
     rows = _with_end(run, [row for row in chosen_snapshots(run) if row is not None])
     if not rows:
         return None
-    fields = [run.read_snapshot(row["file"]) for row in rows]
+    fields = [_field(run, row["file"]) for row in rows]
     norm, limits = _color_range(fields), _limits(fields)
     height = 4.8
     few = len(rows) < 3
@@ -68,11 +75,11 @@ def run_void_ratio_figure(run):
     figure = new_figure(max(width, 4.6), height + (1.9 if few else 1.35))
     panels = figure.subplots(1, len(rows), squeeze=False, sharey=True)[0]
     for panel, row, field in zip(panels, rows, fields, strict=True):
-        _draw_field(panel, field, norm, limits, run.silo.solids())
+        _draw_field(panel, field, norm, limits, run.scene.silo.solids())
         panel.set(xlabel="x (mm)", title=_moment(row, run.flow.empty))
     panels[0].set_ylabel("height (mm)")
     _color_bar(figure, panels, norm)
-    put_title(figure, *(f"Void ratio: {run.title}".split(", ") if few else [f"Void ratio: {run.title}"]))
+    put_title(figure, *(f"Void ratio: {title(run)}".split(", ") if few else [f"Void ratio: {title(run)}"]))
     return figure
 
 
@@ -83,7 +90,7 @@ def case_void_ratio_figure(runs):
     if not groups:
         return None
     fields = {
-        id(run): [None if row is None else run.read_snapshot(row["file"]) for row in cases[id(run)]]
+        id(run): [None if row is None else _field(run, row["file"]) for row in cases[id(run)]]
         for group in groups
         for run in group
     }
@@ -103,7 +110,7 @@ def case_void_ratio_figure(runs):
                     missing = f"u = {target:g} mm\nnot reached"
                     panel.text(0.5, 0.5, missing, ha="center", transform=panel.transAxes)
                     continue
-                _draw_field(panel, field, norm, limits, run.silo.solids())
+                _draw_field(panel, field, norm, limits, run.scene.silo.solids())
                 panel.set_title(_moment(row, run.flow.empty))
             line[0].set_ylabel(f"{run.label}\nheight (mm)")
         for panel in panels[-1]:

@@ -2,15 +2,16 @@
 
 import numpy as np
 
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, HOPPER_CELL_M, cell_mean
+from taichi_silo.show import theory
 from taichi_silo.show.figures.style import BLACK, BLUE, REFERENCE, VERMILLION, new_figure, put_title, start_at_zero
+from taichi_silo.show.titles import title
 
 STATES = {  # colour, width (equal curves on top of each other both show), name
     "filling": (BLACK, 2.0, "after filling"),
     "maximum": (VERMILLION, 3.4, "maximum (N largest)"),
     "residual": (BLUE, 1.8, "residual"),
 }
-HOPPER_CELL_M = 0.05  # on inclined walls, where single rows of the grid mean little
 BOLD = min(width for _, width, _ in STATES.values())
 LEGEND = f"bold: mean of both walls, as a pressure cell of {1e3 * CELL_M:g} mm reads; light: each wall, node by node"
 LOPSIDED = f"bold: as a pressure cell of {1e3 * CELL_M:g} mm reads; outlet off the middle: left solid, right dashed"
@@ -31,7 +32,7 @@ def run_wall_stress_figure(run):
     panels[0].set_ylabel("height above the initial bottom (mm)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
-    put_title(figure, f"Wall stresses: {run.title}", LOPSIDED if run.lopsided else LEGEND)
+    put_title(figure, f"Wall stresses: {title(run)}", LOPSIDED if run.lopsided else LEGEND)
     return figure
 
 
@@ -76,7 +77,7 @@ def _has_profiles(run) -> bool:
 def _draw(panel, run, quantity: str, name_origin: bool = True):
     """Draw one stress [kPa] against height [mm] for all states, with Janssen's theory."""
     for state, (color, width, label) in STATES.items():
-        profiles = [_profile(run, state, wall, quantity) for wall in ("left", "right")]
+        profiles = [run.profile(state, wall, quantity) for wall in ("left", "right")]
         profiles = [profile for profile in profiles if len(profile[0])]
         for height, stress in profiles:
             panel.plot(stress / 1e3, 1e3 * height, color=color, alpha=0.35, linewidth=0.9)
@@ -90,39 +91,30 @@ def _draw(panel, run, quantity: str, name_origin: bool = True):
             mean = np.mean([np.interp(height, *profile) for profile in profiles], axis=0)
             mean = cell_mean(height, mean)
             panel.plot(mean / 1e3, 1e3 * height, color=color, linewidth=width, label=label, zorder=3)
-        hopper = [_profile(run, state, wall, quantity) for wall in ("hopper_left", "hopper_right")]
+        hopper = [run.profile(state, wall, quantity) for wall in ("hopper_left", "hopper_right")]
         for (height, stress), line in zip(hopper, ("-", (0, (2, 1)) if run.lopsided else "-"), strict=True):
             if len(height):
                 read = cell_mean(height, stress, HOPPER_CELL_M)
                 panel.plot(read / 1e3, 1e3 * height, color=color, linewidth=width, linestyle=line)
     _draw_janssen(panel, run, quantity, name_origin)
     _draw_code(panel, run, quantity)
-    top = run.parameter("silo", "height_m")
-    if top is not None:  # nodes above the sand carry nothing
-        panel.set_ylim(top=1.05e3 * top)
-
-
-def _profile(run, state: str, wall: str, quantity: str):
-    """Return height [m] and stress [Pa] along one wall, rising."""
-    rows = run.walls[(run.walls["state"] == state) & (run.walls["wall"] == wall)].sort_values("height_m")
-    return rows["height_m"].to_numpy(), rows[quantity].to_numpy()
+    panel.set_ylim(top=1.05e3 * run.scene.silo.height_m)  # nodes above the sand carry nothing
 
 
 def _draw_janssen(panel, run, quantity: str, name_origin: bool):
     """Draw Janssen's stress for each stored pressure ratio."""
-    for (origin, ratio), line in zip(run.pressure_ratios.items(), ("--", ":"), strict=False):
-        fill = run.janssen(ratio)
+    for (origin, ratio), line in zip(theory.pressure_ratios(run).items(), ("--", ":"), strict=False):
+        fill = theory.janssen(run, ratio)
         if fill is None:
             return
         height = np.linspace(0.0, fill.height_m, 101)
-        foot = run.transition_m
         stress = fill.normal_stress_Pa if quantity == "normal_stress_Pa" else fill.shear_stress_Pa
         label = f"Janssen, {origin}"
         if name_origin:
             label += f" = {ratio:.2f}, $\\varphi_w$ = {fill.wall_friction_angle_deg:.3g}°"
         panel.plot(
             stress(fill.height_m - height) / 1e3,
-            1e3 * (foot + height),
+            1e3 * (run.scene.silo.transition_m + height),
             color=REFERENCE,
             linestyle=line,
             zorder=3.5,
@@ -132,12 +124,12 @@ def _draw_janssen(panel, run, quantity: str, name_origin: bool):
 
 def _draw_code(panel, run, quantity: str):
     """Draw the stress on discharge after EN 1991-4, of sand as in its table."""
-    code = run.eurocode
+    code = theory.eurocode(run)
     if code is None:
         return
-    height = np.linspace(0.0, code.height_m, 101)
+    height, foot = np.linspace(0.0, code.height_m, 101), run.scene.silo.transition_m
     stress = code.discharge_normal_Pa if quantity == "normal_stress_Pa" else code.discharge_shear_Pa
     panel.plot(
-        stress(code.height_m - height) / 1e3, 1e3 * (run.transition_m + height), color=REFERENCE, linestyle="-.",
+        stress(code.height_m - height) / 1e3, 1e3 * (foot + height), color=REFERENCE, linestyle="-.",
         linewidth=1.0, zorder=3.4, label="EN 1991-4, discharge, its sand",
     )  # fmt: skip

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from taichi_silo.runs.history import History
 from taichi_silo.runs.point_fields import Field
+from taichi_silo.runs.result import Result
 
 
 class Drawn(NamedTuple):
@@ -24,9 +24,9 @@ class Drawn(NamedTuple):
 class Between:
     """Places and values of a field over time; two states at a time are held."""
 
-    def __init__(self, history: History, field: Field):
+    def __init__(self, history: Result, field: Field):
         self.history, self.field = history, field
-        self.times = history.index["time_s"].to_numpy(float)
+        self.times = history.snapshots["time_s"].to_numpy(float)
         self._states: dict[int, Drawn] = {}
         self._pair = None
 

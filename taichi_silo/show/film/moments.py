@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from taichi_silo.errors import BadInput
-from taichi_silo.runs.history import History
+from taichi_silo.runs.result import Result
 from taichi_silo.show.film.movie import FILLING_FRAMES, FLOW_FRAMES
 
 FILLING_SHARE = FILLING_FRAMES / (FILLING_FRAMES + FLOW_FRAMES)
@@ -19,10 +19,10 @@ class Moment(NamedTuple):
     progress: float  # on the course [m or s]
 
 
-def over(history: History, frames: int) -> list[Moment]:
+def over(history: Result, frames: int) -> list[Moment]:
     """A number of moments: a tenth for the filling, the others even in displacement, or where free in time."""
     filled, end = history.flow_start_s, history.end_s
-    flowing = len(history.flow) > 0
+    flowing = len(history.flow_states) > 0
     before = max(1, round(FILLING_SHARE * frames)) if flowing else frames
     found = [Moment(filled * (k + 1) / before, "filling", 0.0) for k in range(before)]
     if not flowing or frames == before:
@@ -36,7 +36,7 @@ def over(history: History, frames: int) -> list[Moment]:
     return found + [_flowing(history, time) for time in times]
 
 
-def at_speed(history: History, factor: float, frames_per_second: int) -> list[Moment]:
+def at_speed(history: Result, factor: float, frames_per_second: int) -> list[Moment]:
     """Moments even in time, the sand so many times as fast as it was."""
     count = max(1, int(history.end_s * frames_per_second / factor))
     times = history.end_s * (np.arange(count) + 1) / count
@@ -44,19 +44,19 @@ def at_speed(history: History, factor: float, frames_per_second: int) -> list[Mo
     return [_flowing(history, t) if t > filled else Moment(float(t), "filling", 0.0) for t in times]
 
 
-def _moved(history: History) -> tuple[np.ndarray, np.ndarray]:
+def _moved(history: Result) -> tuple[np.ndarray, np.ndarray]:
     """Displacements of the flow that grow [m], and their times [s]."""
-    rows = history.index.iloc[history.flow]
+    rows = history.snapshots.iloc[history.flow_states]
     moved = np.concatenate([[0.0], rows["displacement_m"].to_numpy(float)])
     return np.maximum.accumulate(moved), np.concatenate([[history.flow_start_s], rows["time_s"].to_numpy(float)])
 
 
-def _flowing(history: History, time: float) -> Moment:
+def _flowing(history: Result, time: float) -> Moment:
     progress = time - history.flow_start_s if history.free else np.interp(time, *_moved(history)[::-1])
     return Moment(float(time), "flow", float(progress))
 
 
-def nearest(history: History, progress: float) -> int:
+def nearest(history: Result, progress: float) -> int:
     """The row of the index nearest to a place on the course [m or s].
 
     Raises
@@ -65,7 +65,7 @@ def nearest(history: History, progress: float) -> int:
         if the run has not come there.
 
     """
-    places = np.array([history.progress(row) for row in history.index.to_dict("records")])
+    places = np.array([history.progress(row) for row in history.snapshots.to_dict("records")])
     if not 0.0 <= progress <= places.max() * (1.0 + 1e-6) + 1e-9:
         scale, unit = (1.0, "s") if history.free else (1e3, "mm")
         raise BadInput(f"frame is {scale * progress:g} {unit}; it must be from 0 to {scale * places.max():g} {unit}")

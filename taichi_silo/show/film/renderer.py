@@ -10,8 +10,8 @@ from PIL import Image
 
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
-from taichi_silo.runs.history import History
 from taichi_silo.runs.point_fields import field as field_of
+from taichi_silo.runs.result import Result
 from taichi_silo.scene.scene import cores
 from taichi_silo.show.film.between import Between
 from taichi_silo.show.film.canvas import SIZE, Course
@@ -51,10 +51,10 @@ class Renderer:
 
     """
 
-    def __init__(self, history: History, look: Look):
+    def __init__(self, history: Result, look: Look):
         self.history, field = history, field_of(look.field)
         self.between = Between(history, field)
-        rows = history.flow if len(history.flow) else np.arange(len(history.index))
+        rows = history.flow_states if len(history.flow_states) else np.arange(len(history.snapshots))
         sampled = np.unique(rows[np.linspace(0, len(rows) - 1, min(SAMPLED, len(rows))).round().astype(int)])
         values = np.concatenate([self.between.values(history.state(number)) for number in sampled])
         self.scale = field.scaled(history.scene, values, look.limits)
@@ -74,7 +74,7 @@ class Renderer:
 
 
 def film(
-    history: History, file: Path, moments: Iterable[Moment], look: Look, frames_per_second: int = FRAMES_PER_SECOND
+    history: Result, file: Path, moments: Iterable[Moment], look: Look, frames_per_second: int = FRAMES_PER_SECOND
 ) -> Renderer:
     """Draw a film of such moments; it is there when it is complete, or not at all.
 
@@ -84,9 +84,10 @@ def film(
         if the run has too few snapshots.
 
     """
-    if 0 < len(history.flow) < FEWEST_STATES or len(history.index) < 2:
+    many = len(history.flow_states)
+    if 0 < many < FEWEST_STATES or len(history.snapshots) < 2:
         raise BadInput(
-            f"snapshots of the flow are {len(history.flow)}; a film needs at least {FEWEST_STATES}: run it again with "
+            f"snapshots of the flow are {many}; a film needs at least {FEWEST_STATES}: run it again with "
             "--snapshots 100, or draw single pictures with --frame"
         )
     renderer = Renderer(history, look)
@@ -104,9 +105,9 @@ def film(
     return renderer
 
 
-def still(history: History, file: Path, number: int, look: Look) -> Renderer:
+def still(history: Result, file: Path, number: int, look: Look) -> Renderer:
     """Draw the picture of one state, a row of the index; it is there when it is complete, or not at all."""
-    renderer, row = Renderer(history, look), history.index.iloc[number]
+    renderer, row = Renderer(history, look), history.snapshots.iloc[number]
     moment = Moment(float(row["time_s"]), row["stage"], history.progress(row))
     drawn = Image.fromarray(renderer.picture.frame(**renderer.frame(moment)))
     passing = file.with_name(f"{file.name}.part")
@@ -115,7 +116,7 @@ def still(history: History, file: Path, number: int, look: Look) -> Renderer:
     return renderer
 
 
-def course(history: History) -> Course:
+def course(history: Result) -> Course:
     """That of the scene; free outflow as long as it has lasted."""
     found = course_of(history.scene)
     return found._replace(end=max(history.end_s - history.flow_start_s, 1e-9)) if history.free else found

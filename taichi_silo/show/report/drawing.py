@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from taichi_silo.runs.result import Result
 from taichi_silo.scene import polygons
 from taichi_silo.scene.silo import Silo
-from taichi_silo.show.figures.run_files import RunFiles
 from taichi_silo.show.report.words import mm
 
 TALL, WIDE = 360.0, 200.0  # px that the sand may take
@@ -74,9 +74,10 @@ class Sheet:
         return "\n".join([head, f"<title>{escape(title)}</title>", *self.parts, "</svg>"])
 
 
-def drawing(run: RunFiles) -> str:
+def drawing(run: Result) -> str:
     """SVG of a run's silo: walls, sand, outlet, solids, and what is done to it."""
-    silo, sheet = run.silo, Sheet(run.silo)
+    silo = run.scene.silo
+    sheet = Sheet(silo)
     wide, high = silo.width_m, silo.height_m
     left, right = (_filled(side, high) for side in silo.sides)
     sheet.shape([*right, *left[::-1]], "sand")
@@ -99,9 +100,9 @@ def _filled(side: np.ndarray, high: float) -> list[tuple[float, float]]:
     return [*below, (float(polygons.place(side, high)), high)]
 
 
-def _floor(sheet: Sheet, run: RunFiles) -> None:
+def _floor(sheet: Sheet, run: Result) -> None:
     """Floor, gate, and an arrow where the sand leaves."""
-    silo = run.silo
+    silo = run.scene.silo
     (first, last), (left, right) = silo.floor_m, silo.outlet_m
     for begin, end in ((first, left), (right, last)):
         if end > begin:
@@ -109,13 +110,11 @@ def _floor(sheet: Sheet, run: RunFiles) -> None:
     sheet.line(sheet.at(left, 0.0), sheet.at(right, 0.0), "gate")
     x, y = sheet.at(0.5 * (left + right), 0.0)
     sheet.arrow((x, y + 8.0), (x, y + 30.0), "flow")
-    speed, depth = run.parameter("flow", "speed_m_per_s"), run.parameter("flow", "displacement_m")
+    speed, depth = run.scene.flow.speed_m_per_s, run.scene.flow.displacement_m
     if run.free:
         said = "opened, sand falls out"
-    elif speed and depth:
-        said = f"{'bottom' if silo.floor_is_outlet else 'gate'}: {mm(depth)} at {1e3 * speed:g} mm/s"
     else:
-        said = "bottom sinks" if silo.floor_is_outlet else "gate sinks"
+        said = f"{'bottom' if silo.floor_is_outlet else 'gate'}: {mm(depth)} at {1e3 * speed:g} mm/s"
     half = 3.6 * len(said)  # of the text, about
     sheet.words(min(max(x, half), sheet.size[0] - half), sheet.size[1] - 10.0, said)
 

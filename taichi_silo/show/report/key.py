@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from taichi_silo.analysis.measure.wall_pressure import CELL_M
-from taichi_silo.show.figures.run_files import RunFiles
-from taichi_silo.show.figures.wall_stress import HOPPER_CELL_M
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, HOPPER_CELL_M
+from taichi_silo.runs.result import Result
 from taichi_silo.show.report.states import (
     STATES,
     discharge_rate_kg_per_s_m,
@@ -27,27 +26,27 @@ class Card:
     words: str
 
 
-def key_numbers(run: RunFiles) -> list[Card]:
+def key_numbers(run: Result) -> list[Card]:
     """Those that the run can tell."""
     cards = [_hopper(run), _stress(run), *_forces(run), _overpressure(run), _pattern(run), _discharge(run)]
     return [card for card in cards if card is not None]
 
 
-def _stress(run: RunFiles) -> Card | None:
+def _stress(run: Result) -> Card | None:
     largest = largest_of_all(run)
     if largest is None:
         return None
-    foot = "outlet" if run.silo.hopper else "initial bottom" if run.silo.floor_is_outlet else "floor"
+    foot = "outlet" if run.scene.silo.hopper else "initial bottom" if run.scene.silo.floor_is_outlet else "floor"
     when = STATES.get(largest.state) or f"in flow at u = {mm(largest.displacement_m, 3)}"
     words = (
         f"{largest.wall} wall, {mm(largest.height_m, 3)} above the {foot}, {when}; as a pressure "
         f"cell of {mm(CELL_M)} reads it (one node: {kPa(largest.node_Pa)} kPa)"
     )
-    name = "Largest pressure, vertical walls" if run.silo.hopper else "Largest wall pressure"
+    name = "Largest pressure, vertical walls" if run.scene.silo.hopper else "Largest wall pressure"
     return Card(name, kPa(largest.stress_Pa), "kPa", sentence(words))
 
 
-def _hopper(run: RunFiles) -> Card | None:
+def _hopper(run: Result) -> Card | None:
     largest = largest_hopper_stress(run)
     if largest is None:
         return None
@@ -61,10 +60,10 @@ def _hopper(run: RunFiles) -> Card | None:
     return Card("Largest pressure, hopper", kPa(largest.stress_Pa), "kPa", sentence(words))
 
 
-def _forces(run: RunFiles) -> list[Card]:
+def _forces(run: Result) -> list[Card]:
     forces = forces_of(run)
     weight = run.summary.get("weight_N_per_m")
-    below = "bottom" if run.silo.floor_is_outlet else "outlet" if run.silo.hopper else "floor and outlet"
+    below = "bottom" if run.scene.silo.floor_is_outlet else "outlet" if run.scene.silo.hopper else "floor and outlet"
     names = {"N": "Wall normal force N", "T": "Wall friction force T", "P": f"Force P on the {below}"}
     cards = []
     for name, title in names.items():
@@ -87,7 +86,7 @@ def _forces(run: RunFiles) -> list[Card]:
     return cards
 
 
-def _overpressure(run: RunFiles) -> Card | None:
+def _overpressure(run: Result) -> Card | None:
     found = run.summary.get("largest_overpressure")
     if not found:
         return None
@@ -99,14 +98,14 @@ def _overpressure(run: RunFiles) -> Card | None:
     return Card("Over-pressure in flow", f"× {number(found['factor'])}", "", sentence(words))
 
 
-def _pattern(run: RunFiles) -> Card | None:
+def _pattern(run: Result) -> Card | None:
     found = run.summary.get("flow_pattern")
     if not found:
         return None
     kind = PATTERNS.get(found["kind"], found["kind"])
     left, right = found.get("transition_left_m"), found.get("transition_right_m")
     still = per_cent(found["stagnant_area_share"])
-    if run.silo.floor_is_outlet and run.wall_kind == "very-rough":
+    if run.scene.silo.floor_is_outlet and run.scene.walls.kind == "very-rough":
         words = (
             "the whole bottom sinks, and the sand with it, but for what very rough walls hold: sand does not slip on "
             f"them; {still} of all sand stands still there"
@@ -125,13 +124,12 @@ def _pattern(run: RunFiles) -> Card | None:
     return Card("Flow pattern", kind.capitalize(), "", sentence(words))
 
 
-def _discharge(run: RunFiles) -> Card | None:
-    if run.silo.floor_is_outlet:
-        speed, depth = run.parameter("flow", "speed_m_per_s"), run.parameter("flow", "displacement_m")
-        if not speed:
-            return None
-        words = f"the whole bottom sinks by {mm(depth)}; the sand stays on it, so the flow has no rate of discharge"
-        return Card("Outflow", plain(1e3 * speed), "mm/s", sentence(words))
+def _discharge(run: Result) -> Card | None:
+    flow = run.scene.flow
+    if run.scene.silo.floor_is_outlet:
+        depth = mm(flow.displacement_m)
+        words = f"the whole bottom sinks by {depth}; the sand stays on it, so the flow has no rate of discharge"
+        return Card("Outflow", plain(1e3 * flow.speed_m_per_s), "mm/s", sentence(words))
     rate = discharge_rate_kg_per_s_m(run)
     if rate is None:
         return None
@@ -139,22 +137,20 @@ def _discharge(run: RunFiles) -> Card | None:
     free = f"; Beverloo's formula gives {number(theory)}" if theory else ""
     if run.free:
         return Card("Discharge rate", number(rate), "kg/s per m", sentence(f"while 10 to 50 % of the sand leave{free}"))
-    speed = run.parameter("flow", "speed_m_per_s")
-    words = f"mean of the whole flow, driven by a gate that sinks at {plain(1e3 * (speed or float('nan')))} mm/s"
+    words = f"mean of the whole flow, driven by a gate that sinks at {plain(1e3 * flow.speed_m_per_s)} mm/s"
     if theory:
         words += f"; falling freely (Beverloo) it would be {number(theory)}"
     return Card("Discharge rate", number(rate), "kg/s per m", sentence(words))
 
 
-def in_one_sentence(run: RunFiles) -> str:
+def in_one_sentence(run: Result) -> str:
     """What was computed, for the line below the title."""
-    silo, flow = run.silo, run.parameters.get("flow", {})
+    silo, flow = run.scene.silo, run.scene.flow
     body = f"A round silo {mm(silo.width_m)} in diameter" if silo.section == "round" else (
         f"A silo between parallel walls {mm(silo.width_m)} apart"
     )  # fmt: skip
     words = f"{body}, filled {mm(silo.height_m)} high"
     if run.free:
         return f"{words}; the outlet is opened and the sand falls out."
-    depth, speed = flow.get("displacement_m"), flow.get("speed_m_per_s")
-    driven = f" by {mm(depth)} at {plain(1e3 * speed)} mm/s" if depth and speed else ""
-    return f"{words}; the {'whole bottom is lowered' if silo.floor_is_outlet else 'gate in the outlet sinks'}{driven}."
+    what = "whole bottom is lowered" if silo.floor_is_outlet else "gate in the outlet sinks"
+    return f"{words}; the {what} by {mm(flow.displacement_m)} at {plain(1e3 * flow.speed_m_per_s)} mm/s."

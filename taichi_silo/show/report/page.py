@@ -2,30 +2,29 @@
 
 import datetime
 import re
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
 
-import jinja2
 from markupsafe import Markup
 
 from taichi_silo.errors import BadInput
+from taichi_silo.runs.result import FILM, Result
 from taichi_silo.runs.run_folder import MADE, no_link, writable
 from taichi_silo.scene import sands
-from taichi_silo.scene.scene_files import read_scene
+from taichi_silo.show import html
 from taichi_silo.show.figures import plot_run
-from taichi_silo.show.figures.run_files import RunFiles
-from taichi_silo.show.report import media, tables
+from taichi_silo.show.report import tables
 from taichi_silo.show.report.drawing import drawing
-from taichi_silo.show.report.hopper import hopper_table
 from taichi_silo.show.report.key import in_one_sentence, key_numbers
 from taichi_silo.show.report.limits import known_limits
 from taichi_silo.show.report.parameters import parameter_tables
 from taichi_silo.show.report.story import story
 from taichi_silo.show.report.trust import verdict
 from taichi_silo.show.report.words import count, kN, mm, number, plain
+from taichi_silo.show.titles import title
 from taichi_silo.utils import atomic_write, bounded_reading
 
-FILM = "void_ratio.mp4"
+POSTER_AT, POSTER_WIDTH = 0.97, 1280  # of the film: nearly all has happened; pixels
 FIGURES = {  # name: (what it shows, for those who cannot see it; a caption)
     "forces": (
         "Curves of P, T and N against the bottom displacement",
@@ -61,46 +60,19 @@ def write_report(folder: Path, file: Path | None = None) -> Path:
         if the folder holds no run of a silo, or the file cannot be written.
 
     """
-    run = read_run(folder)
+    run = Result(folder, tolerant=True)
+    run.scene  # noqa: B018 - which no report can do without
     file = run.folder / "report.html" if file is None else bounded_reading.place(file, "output")
     if file.is_dir():
         raise BadInput(f"output is {file}, a folder; it must be a file, such as {file / 'report.html'}")
     no_link(file, file.with_name(file.name + ".part"))
     writable(file.parent)
     with bounded_reading.as_left(run.folder):
-        if not run.summary or not list((run.folder / "figures").glob("*.png")):
-            run = replace(run, trouble=(*run.trouble, *_draw(run.folder)))
-        text = page(run)
+        trouble = [] if run.summary and run.figures else _draw(run.folder)
+        text = page(run, trouble)
     with atomic_write.written(file) as passing:
         passing.write_text(text, encoding="utf-8")
     return file
-
-
-def read_run(folder: Path) -> RunFiles:
-    """A run's folder.
-
-    Raises
-    ------
-    BadInput
-        if there is none, or it holds no run of a silo.
-
-    """
-    folder = bounded_reading.place(folder, "folder")
-    if not folder.is_dir():
-        raise BadInput(f"folder is {folder}; it must be the folder of a run, and there is no such folder")
-    if not (folder / MADE).is_file():
-        raise BadInput(f"folder is {folder}; it must be the folder of a run, and it holds no {MADE}")
-    run = RunFiles.read(folder)
-    if not isinstance(run.parameters.get("silo"), dict):
-        damaged = any(words.startswith(MADE) for words in run.trouble)
-        why = f"its {MADE} is damaged" if damaged else f"its {MADE} names no silo"
-        raise BadInput(f"folder is {folder}; it must be that of a run of a silo, and {why}")
-    try:
-        run.silo  # noqa: B018 - checks it
-    except ValueError as error:
-        raise BadInput(f"folder is {folder}; the silo in its {MADE} is not possible") from error
-    read_scene(folder / MADE, threads=1)  # so that no value is of another kind
-    return run
 
 
 def _draw(folder: Path) -> list[str]:
@@ -121,71 +93,66 @@ def _draw(folder: Path) -> list[str]:
     return []
 
 
-def page(run: RunFiles) -> str:
-    """The page of a run."""
-    loader = jinja2.FileSystemLoader(Path(__file__).parent, encoding="utf-8")
-    settings = jinja2.Environment(
-        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    program = run.parameters.get("program", {})
-    return settings.get_template("report.html.j2").render(
-        title=title(run),
+def page(run: Result, trouble: Sequence[str] = ()) -> str:
+    """The page of a run, with what else has to be said of its files."""
+    return html.render(
+        Path(__file__).with_name("report.html.j2"),
+        title=_title(run),
         about=in_one_sentence(run),
         today=datetime.date.today().isoformat(),
-        program=program,
-        state=state(run),
-        trouble=run.trouble,
+        program=run.program,
+        state=_state(run),
+        trouble=[*run.trouble, *trouble],
         drawing=Markup(drawing(run)),
-        facts=facts(run),
+        facts=_facts(run),
         cards=key_numbers(run),
         verdict=verdict(run),
         warnings=run.summary.get("warnings") or [],
         limits=known_limits(run),
         story=story(run, _sand(run)),
         parts=run.summary.get("parts") or [],
-        film=media.film(run.folder / FILM),
+        film=_film(run.folder / FILM),
         figures={name: _figure(run, name) for name in FIGURES},
         forces=tables.force_table(run),
         stresses=tables.stress_table(run),
-        hopper=hopper_table(run),
+        hopper=tables.hopper_table(run),
         wall_zones=tables.wall_zone_table(run),
         inner_zones=tables.inner_zone_table(run),
         inner=run.summary.get("zones_inside") or {},
         residence=tables.residence_table(run),
         parameters=parameter_tables(run.parameters),
-        cost=cost(run),
+        cost=_cost(run),
         folder=run.folder.as_posix(),
         again=f'"{file}"' if " " in (file := (run.folder / MADE).as_posix()) else file,
     )
 
 
-def title(run: RunFiles) -> str:
-    """One line."""
-    words = re.sub(r"(\d) (mm)", "\\1\u00a0\\2", run.title.replace("$e_0$ = ", "e₀\u00a0=\u00a0"))
+def _title(run: Result) -> str:
+    """One line, in which no unit is parted from its number."""
+    words = re.sub(r"(\d) (mm)", "\\1\u00a0\\2", title(run, "e₀").replace("e₀ = ", "e₀\u00a0=\u00a0"))
     return words[:1].upper() + words[1:]
 
 
-def facts(run: RunFiles) -> list[tuple[str, str]]:
+def _facts(run: Result) -> list[tuple[str, str]]:
     """What a drawing cannot show: name and value."""
-    angle, weight = run.parameter("walls", "friction_angle_deg"), run.summary.get("weight_N_per_m")
-    walls = f"smooth, {plain(angle)}°" if run.wall_kind == "smooth" else run.wall_kind.replace("-", " ")
+    scene = run.scene
+    smooth = f"smooth, {plain(scene.walls.friction_angle_deg)}°"
     return [
-        ("sand", str(run.parameter("sand", "name", "–"))),
-        ("void ratio", plain(run.void_ratio)),
-        ("side walls", walls),
-        ("weight", f"{kN(weight)} kN/m"),
+        ("sand", scene.sand.name),
+        ("void ratio", plain(scene.sand.void_ratio)),
+        ("side walls", smooth if scene.walls.kind == "smooth" else "very rough"),
+        ("weight", f"{kN(run.summary.get('weight_N_per_m'))} kN/m"),
     ]
 
 
-def state(run: RunFiles) -> dict | None:
+def _state(run: Result) -> dict | None:
     """What has to be said first of a run that did not come to its end; None of one that did."""
     if run.summary.get("finished"):
         return None
     reached = "It was still being filled"
     if len(run.flow):
         reached = f"It had reached u = {mm(float(run.flow['displacement_m'].iloc[-1]))}"
-        if wanted := run.parameter("flow", "displacement_m"):
-            reached += f" of {mm(wanted)}"
+        reached += f" of {mm(run.scene.flow.displacement_m)}"
     if len(run.forces):
         reached += f" at t = {number(float(run.forces['time_s'].iloc[-1]), 4)} s"
     if not run.summary:
@@ -198,7 +165,7 @@ def state(run: RunFiles) -> dict | None:
     return {"title": "This run failed", "words": f"It stopped {cause}. {reached}; below is what it has left."}
 
 
-def cost(run: RunFiles) -> list[tuple[str, str]]:
+def _cost(run: Result) -> list[tuple[str, str]]:
     """What the run took: name and value."""
     found = run.summary.get("cost") or {}
     step = found.get("time_step_s")
@@ -209,19 +176,27 @@ def cost(run: RunFiles) -> list[tuple[str, str]]:
         ("stepping", f"{number(found.get('seconds'))} s"),
         ("point-steps a second", f"{number((found.get('particle_steps_per_second') or 0.0) / 1e6)} million"),
         ("whole run", f"{number(found.get('wall_seconds'))} s"),
-        ("threads", str(run.parameter("machine", "threads", "–"))),
+        ("threads", str(run.parameters.get("machine", {}).get("threads", "–"))),
     ]
     return rows if found else []
 
 
-def _figure(run: RunFiles, name: str) -> dict | None:
-    data = media.figure(run.folder / "figures" / f"{name}.png")
-    words, caption = FIGURES[name]
-    return {"data": data, "words": words, "caption": caption} if data else None
+def _figure(run: Result, name: str) -> dict | None:
+    """A figure's data, words for those who cannot see it, and caption; None if it is not there or damaged."""
+    file, (words, caption) = run.folder / "figures" / f"{name}.png", FIGURES[name]
+    if html.picture_of(file) is None:
+        return None
+    return {"data": html.data_uri(file.read_bytes(), "image/png"), "words": words, "caption": caption}
 
 
-def _sand(run: RunFiles) -> str:
+def _film(file: Path) -> dict | None:
+    """A film and one of its last frames, as data; None if it is not there or cannot be read."""
+    poster = html.jpeg(html.frame_of(file, POSTER_AT), POSTER_WIDTH) if file.is_file() else None
+    return {"film": html.data_uri(file.read_bytes(), "video/mp4"), "poster": poster} if poster else None
+
+
+def _sand(run: Result) -> str:
     """Title of the sand, with its source if it is a published one."""
-    name = str(run.parameter("sand", "name", "sand"))
+    name = run.scene.sand.name
     known = sands.published().get(name)
     return f"{known['title']} ({known['source']})" if known else f"sand “{name}”"

@@ -1,7 +1,7 @@
 """What was modelled, in a few lines."""
 
-from taichi_silo.show.figures.run_files import RunFiles
-from taichi_silo.show.report.words import NONE, count, kN, mm, plain
+from taichi_silo.runs.result import Result
+from taichi_silo.show.report.words import count, kN, mm, plain
 
 LAWS = {
     "gudehus-bauer": "Gudehus-Bauer hypoplasticity",
@@ -9,7 +9,7 @@ LAWS = {
 }
 
 
-def story(run: RunFiles, sand: str) -> list[tuple[str, str]]:
+def story(run: Result, sand: str) -> list[tuple[str, str]]:
     """Name and sentence of each part of the model.
 
     Parameters
@@ -27,58 +27,51 @@ def story(run: RunFiles, sand: str) -> list[tuple[str, str]]:
     ]
 
 
-def _sand(run: RunFiles, sand: str) -> str:
-    law = run.parameter("sand", "law", "")
-    grains, weight = run.parameter("sand", "grain_density_kg_per_m3"), run.summary.get("weight_N_per_m")
-    words = [f"{sand}, void ratio {plain(run.void_ratio)}"]
-    if grains and run.void_ratio == run.void_ratio:
-        words[0] += f", bulk density {count(grains / (1.0 + run.void_ratio))} kg/m³"
-    words.append(f"Law: {LAWS.get(law, law)}")
-    if weight:
-        girth = "two metres of girth" if run.silo.section == "round" else "a metre run"
-        words.append(f"The sand of {girth} weighs {kN(weight)} kN")
-    return ". ".join(words) + "."
+def _sand(run: Result, sand: str) -> str:
+    scene, weight = run.scene, run.summary.get("weight_N_per_m")
+    words = f"{sand}, void ratio {plain(scene.sand.void_ratio)}, bulk density {count(scene.density_kg_per_m3)} kg/m³. "
+    words += f"Law: {LAWS.get(scene.sand.law, scene.sand.law)}."
+    girth = "two metres of girth" if scene.silo.section == "round" else "a metre run"
+    return words + (f" The sand of {girth} weighs {kN(weight)} kN." if weight else "")
 
 
-def _walls(run: RunFiles) -> str:
+def _walls(run: Result) -> str:
     side = "very rough: sand at the wall does not slip"
-    if run.wall_kind == "smooth":
-        side = f"smooth, Coulomb friction of {plain(run.parameter('walls', 'friction_angle_deg'))}°"
-    bottom = run.parameter("walls", "bottom_friction_angle_deg", 0.0)
-    words = f"Side walls {side}; {'bottom' if run.silo.floor_is_outlet else 'floor'} "
+    if run.scene.walls.kind == "smooth":
+        side = f"smooth, Coulomb friction of {plain(run.scene.walls.friction_angle_deg)}°"
+    bottom, silo = run.scene.walls.bottom_friction_angle_deg, run.scene.silo
+    words = f"Side walls {side}; {'bottom' if silo.floor_is_outlet else 'floor'} "
     words += f"with friction of {plain(bottom)}°" if bottom else "without friction"
-    if special := run.silo.words():
+    if special := silo.words():
         words += f". Special: {special}"
     return words + "."
 
 
-def _filling(run: RunFiles) -> str:
-    kind = run.parameter("filling", "kind", "")
-    seconds = plain(run.parameter("method", "filling_time_s"))
-    if kind == "layers":
-        return f"{run.parameter('filling', 'layers', NONE)} layers, one after the other, each with its weight."
-    if kind == "rain":
-        return f"Row after row falls from {mm(run.parameter('filling', 'drop_m'))}."
+def _filling(run: Result) -> str:
+    filling, seconds = run.scene.filling, plain(run.scene.method.filling_time_s)
+    if filling.kind == "layers":
+        return f"{filling.layers} layers, one after the other, each with its weight."
+    if filling.kind == "rain":
+        return f"Row after row falls from {mm(filling.drop_m)}."
     return f"The whole column is in place, and its weight grows within {seconds} s; then it comes to rest."
 
 
-def _outflow(run: RunFiles) -> str:
-    depth, speed = run.parameter("flow", "displacement_m"), run.parameter("flow", "speed_m_per_s")
+def _outflow(run: Result) -> str:
+    flow = run.scene.flow
     if run.free:
-        longest = plain(run.parameter("flow", "longest_s"))
+        longest = plain(flow.longest_s)
         return f"The outlet is opened and the sand falls out by its weight, until it stops or {longest} s have passed."
     what = "A gate in the outlet is lowered, and sand below the floor is taken away"
-    what = "The whole bottom is lowered" if run.silo.floor_is_outlet else what
-    pace = f" at {plain(1e3 * speed)} mm/s" if speed else ""
-    return f"{what}: {mm(depth)}{pace}."
+    what = "The whole bottom is lowered" if run.scene.silo.floor_is_outlet else what
+    return f"{what}: {mm(flow.displacement_m)} at {plain(1e3 * flow.speed_m_per_s)} mm/s."
 
 
-def _method(run: RunFiles) -> str:
-    cell, many = run.parameter("grid", "cell_size_m"), run.parameter("grid", "points_per_cell", 1)
+def _method(run: Result) -> str:
+    grid, method, many = run.scene.grid, run.scene.method, run.scene.grid.points_per_cell
     points = (run.summary.get("cost") or {}).get("points")
-    words = f"Explicit material point method, {'axial symmetry' if run.silo.section == 'round' else 'plane strain'}: "
-    words += f"cells of {mm(cell)}, {many} point{'s' if many != 1 else ''} a cell"
+    symmetry = "axial symmetry" if run.scene.silo.section == "round" else "plane strain"
+    words = f"Explicit material point method, {symmetry}: cells of {mm(grid.cell_size_m)}, "
+    words += f"{many} point{'s' if many != 1 else ''} a cell"
     words += f" ({count(points)} points computed)" if points else ""
-    shape, transfer = run.parameter("grid", "shape", NONE), run.parameter("method", "transfer", NONE)
-    order = run.parameter("method", "stress_update", NONE)
-    return f"{words}; shape functions {shape}, transfer {transfer}, stress updated {order}."
+    words += f"; shape functions {grid.shape}, transfer {method.transfer}"
+    return f"{words}, stress updated {method.stress_update}."

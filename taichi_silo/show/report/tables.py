@@ -4,17 +4,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from taichi_silo.show.figures.run_files import RunFiles
-from taichi_silo.show.report.states import FORCES, Force, forces_of, wall_profile
+from taichi_silo.analysis.measure.wall_pressure import HOPPER_CELL_M, cell_mean
+from taichi_silo.analysis.theory.walker import WalkerHopper
+from taichi_silo.runs.result import Result
+from taichi_silo.runs.theories import hopper_of, janssen_of
+from taichi_silo.show.report.states import FORCES, STATES, Force, forces_of, wall_profile
 from taichi_silo.show.report.words import NONE, kN, kPa, mm, number, per_cent
+from taichi_silo.show.theory import eurocode, janssen, pressure_ratios, straight_m
 
 HEIGHTS = (0.9, 0.75, 0.5, 0.25, 0.1)  # of the vertical walls, from the foot
+HOPPER_HEIGHTS = (0.9, 0.7, 0.5, 0.3, 0.1)  # of the hopper
 TITLES = {
     "P": "bottom, P (kN/m)", "T": "wall friction, T (kN/m)", "N": "wall normal, N (kN/m)", "angle": "arctan(T/N) (°)",
 }  # fmt: skip
 ORIGINS = {"K0": "K₀ of the law", "measured": "K in the sand"}
 WHEN = ("after filling", "in flow")
-NAMES = {"K0 of the law": "K₀ of the law", "measured K": "K in the sand"}  # of `RunFiles.pressure_ratios`
+NAMES = {"K0 of the law": "K₀ of the law", "measured K": "K in the sand"}  # of `pressure_ratios`
 
 
 @dataclass(frozen=True)
@@ -26,7 +31,7 @@ class Table:
     note: str = ""
 
 
-def force_table(run: RunFiles) -> Table:
+def force_table(run: Result) -> Table:
     """P, T, N and the wall friction angle in three states, and Janssen's theory after filling."""
     forces, theory = forces_of(run), run.summary.get("janssen") or {}
     origins = [key for key in ORIGINS if f"normal_N_per_m_{key}" in theory]
@@ -39,7 +44,7 @@ def force_table(run: RunFiles) -> Table:
         peak = show(one.peak) if one.peak is None else f"{show(one.peak)} at u = {mm(one.peak_m, 3)}"
         rows.append((title, show(one.filled), *told, peak, show(one.residual)))
     for column in run.forces.columns:
-        sideways = run.silo.section == "plane" and column.endswith("_horizontal_N_per_m")  # round: none in sum
+        sideways = run.scene.silo.section == "plane" and column.endswith("_horizontal_N_per_m")  # round: none in sum
         if sideways or column.endswith("_vertical_N_per_m"):
             rows.append(_of_body(run, column, len(origins)))
     return Table(tuple(head), tuple(rows), _force_note(run, theory))
@@ -56,19 +61,19 @@ def _theory(one: Force, theory: dict, name: str, key: str) -> str:
     return f"{kN(value)} (run {per_cent(one.filled / value - 1.0, signed=True)})"
 
 
-def _of_body(run: RunFiles, column: str, gap: int) -> tuple[str, ...]:
+def _of_body(run: Result, column: str, gap: int) -> tuple[str, ...]:
     """A hopper wall's or an insert's force on the sand, to the right or upwards."""
     words = column.removesuffix("_N_per_m").replace("_", " ")
-    words = words.replace("hopper right", "hopper") if run.silo.section == "round" else words
+    words = words.replace("hopper right", "hopper") if run.scene.silo.section == "round" else words
     words = words.replace(" horizontal", ", to the right").replace(" vertical", ", upwards")
     filled = None if run.filled is None else run.filled.get(column)
-    last = run.flow[column].iloc[-max(1, len(run.flow) // 20) :].mean() if len(run.flow) else None
+    last = None if run.residual is None else run.residual.get(column)
     return (f"{words} (kN/m)", kN(filled), *[NONE] * gap, NONE, kN(last))
 
 
-def _force_note(run: RunFiles, theory: dict) -> str:
+def _force_note(run: Result, theory: dict) -> str:
     words = "T and N are means of both walls; the peak of P is its least value."
-    if run.silo.section == "round":
+    if run.scene.silo.section == "round":
         words += " Forces of the round silo are per metre of girth; P and the weight count two such metres."
     ratios = [
         f"{ORIGINS[key]} = {number(theory[f'pressure_ratio_{key}'])}"
@@ -84,31 +89,29 @@ def _force_note(run: RunFiles, theory: dict) -> str:
             " and ".join(f"{kN(one[f'{part}_force_N_per_m'])} {when}" for when, one in zip(WHEN, walker, strict=True))
             for part in ("wall", "outlet")
         )
-        who = "the wall carries" if run.silo.section == "round" else "each wall carries"
+        who = "the wall carries" if run.scene.silo.section == "round" else "each wall carries"
         words += f" Walker's theory of the hopper (kN/m): {who} {wall} upwards, the outlet {outlet}."
     return words
 
 
-def stress_table(run: RunFiles) -> Table | None:
+def stress_table(run: Result) -> Table | None:
     """Wall normal stresses at some heights, with Janssen and EN 1991-4; None without wall profiles."""
-    sides = ("left", "right") if run.lopsided else ("both",)
+    sides, silo = ("left", "right") if run.lopsided else ("both",), run.scene.silo
     if not len(wall_profile(run, "filling", wall=sides[0])[0]):
         return None
-    straight = run.silo.height_m - run.transition_m
-    heights = [run.transition_m + share * straight for share in HEIGHTS]
-    laws = {origin: run.janssen(ratio) for origin, ratio in run.pressure_ratios.items()}
+    heights = [silo.transition_m + share * straight_m(run) for share in HEIGHTS]
+    laws = {origin: janssen(run, ratio) for origin, ratio in pressure_ratios(run).items()}
     theories = {f"Janssen, {NAMES.get(origin, origin)}": law for origin, law in laws.items() if law is not None}
-    code = run.eurocode
+    code = eurocode(run)
     head = ["height (mm)", "after filling", *theories, *(["EN 1991-4, filling"] if code else [])]
     head += ["in flow, N largest", "end of flow", *(["EN 1991-4, discharge"] if code else [])]
     rows = []
     for height in heights:
-        depth = run.silo.height_m - height
-        read = {state: _read(run, state, sides, height) for state in ("filling", "maximum", "residual")}
-        row = [f"{1e3 * height:.0f}", read["filling"]]
-        row += [kPa(float(theory.normal_stress_Pa(depth))) for theory in theories.values()]
+        depth = silo.height_m - height
+        filling, maximum, residual = (_read(run, state, sides, height) for state in STATES)
+        row = [f"{1e3 * height:.0f}", filling, *(kPa(float(law.normal_stress_Pa(depth))) for law in theories.values())]
         row += [kPa(float(code.filling_normal_Pa(depth)))] if code else []
-        row += [read["maximum"], read["residual"]]
+        row += [maximum, residual]
         row += [kPa(float(code.discharge_normal_Pa(depth)))] if code else []
         rows.append(tuple(row))
     where = "left / right wall" if run.lopsided else "mean of both walls"
@@ -116,20 +119,17 @@ def stress_table(run: RunFiles) -> Table | None:
     if code:
         values = code.values()
         note += (
-            f" EN 1991-4: {code.slenderness} silo, its table's sand on a {'D3' if run.wall_kind != 'smooth' else 'D2'} "
-            "wall, characteristic values without patch loads. "
-            f"Filling: γ = {values.weight_density_N_per_m3 / 1e3:g} kN/m³, K = {values.pressure_ratio:.3g}, μ = "
-            f"{values.wall_friction:.3g}; discharge: C_h = {code.discharge_factors[0]:.3g} times that."
+            f" EN 1991-4: {code.slenderness} silo, its table's sand on a {code.wall} wall, characteristic values "
+            f"without patch loads. Filling: γ = {values.weight_density_N_per_m3 / 1e3:g} kN/m³, K = "
+            f"{values.pressure_ratio:.3g}, μ = {values.wall_friction:.3g}; discharge: C_h = "
+            f"{code.discharge_factors[0]:.3g} times that."
         )
-        note += "".join(f" {limit}" for limit in _limits(run))
+        limits = ((run.summary.get("theory") or {}).get("eurocode") or {}).get("limits") or []
+        note += "".join(f" {limit}" for limit in limits)
     return Table(tuple(head), tuple(rows), note)
 
 
-def _limits(run: RunFiles) -> list[str]:
-    return ((run.summary.get("theory") or {}).get("eurocode") or {}).get("limits") or []
-
-
-def _read(run: RunFiles, state: str, sides: tuple[str, ...], height_m: float) -> str:
+def _read(run: Result, state: str, sides: tuple[str, ...], height_m: float) -> str:
     values = []
     for side in sides:
         height, stress = wall_profile(run, state, wall=side)
@@ -138,7 +138,50 @@ def _read(run: RunFiles, state: str, sides: tuple[str, ...], height_m: float) ->
     return " / ".join(values)
 
 
-def wall_zone_table(run: RunFiles) -> Table | None:
+def hopper_table(run: Result) -> Table | None:
+    """Normal stresses on a hopper's walls at some heights, beside Walker's theory; None without its profiles."""
+    if run.scene.silo.hopper is None or not len(run.profile("filling", "hopper_left")[0]):
+        return None
+    filled, flowing = _walker(run, "filling"), _walker(run, "discharge")
+    head = ("height (mm)", "after filling", "Walker, filling", "in flow, N largest", "end of flow", "Walker, flow")
+    rows = []
+    for share in HOPPER_HEIGHTS:
+        height = share * run.scene.silo.transition_m
+        filling, maximum, residual = (_on_hopper(run, state, height) for state in STATES)
+        row = (filling, _by_walker(filled, height), maximum, residual, _by_walker(flowing, height))
+        rows.append((f"{1e3 * height:.0f}", *row))
+    note = f"Normal stress in kPa on the inclined walls, mean of both over {mm(HOPPER_CELL_M)}; height over the outlet."
+    limit = (run.summary.get("theory") or {}).get("walker_limit")
+    return Table(head, tuple(rows), note + (f" Walker's theory does not hold here: {limit}." if limit else ""))
+
+
+def _on_hopper(run: Result, state: str, height_m: float) -> str:
+    values = []
+    for wall in ("hopper_left", "hopper_right"):
+        height, stress = run.profile(state, wall)
+        if len(height) > 1:
+            values.append(np.interp(height_m, height, cell_mean(height, stress, HOPPER_CELL_M)))
+    return kPa(float(np.mean(values))) if values else NONE
+
+
+def _walker(run: Result, state: str) -> WalkerHopper | None:
+    """Walker's theory below Janssen's at the law's own pressure ratio; None where it does not hold."""
+    known = run.summary.get("janssen") or {}
+    angle, ratio = known.get("wall_friction_angle_deg"), known.get("pressure_ratio_K0")
+    if not angle or not ratio or not 0.0 < angle < 90.0:
+        return None
+    try:
+        above = float(janssen_of(run.scene, angle, ratio).vertical_stress_Pa(straight_m(run)))
+        return hopper_of(run.scene, angle, ratio, above, state)
+    except ValueError:  # beyond the theory
+        return None
+
+
+def _by_walker(law: WalkerHopper | None, height_m: float) -> str:
+    return NONE if law is None else kPa(float(law.normal_stress_Pa(law.outlet_height_m + height_m)))
+
+
+def wall_zone_table(run: Result) -> Table | None:
     """Thickness of the zones along the walls; None if none was measured."""
     zones = run.summary.get("shear_zones") or {}
     rows = []
@@ -148,15 +191,17 @@ def wall_zone_table(run: RunFiles) -> Table | None:
             continue
         kind = "none" if not zone["thickness_m"] else "contractant" if zone.get("contractant") else "dilatant"
         quartiles = f"{_zone(zone.get('lower_quartile_m'))} to {_zone(zone.get('upper_quartile_m'))}"
-        d50, thick = run.parameter("sand", "d50_m"), zone["thickness_m"]
+        d50, thick = run.scene.sand.d50_m, zone["thickness_m"]
         rows.append((f"{side} wall", kind, _zone(thick), quartiles, number(thick / d50) if d50 and thick else NONE))
     if not rows:
         return None
-    note = "Zones along the vertical lines of the walls; beside a hopper there are none." if run.silo.hopper else ""
+    note = (
+        "Zones along the vertical lines of the walls; beside a hopper there are none." if run.scene.silo.hopper else ""
+    )
     return Table(("zone along the", "kind", "thickness, median", "quartiles", "over d50"), tuple(rows), note)
 
 
-def inner_zone_table(run: RunFiles) -> Table | None:
+def inner_zone_table(run: Result) -> Table | None:
     """The zones inside; None if there are none."""
     zones = (run.summary.get("zones_inside") or {}).get("zones") or []
     head = ("zone", "kind", "length", "thickness", "over d50", "inclination", "radius of curvature")
@@ -177,7 +222,7 @@ def _zone(length_m: float | None) -> str:
     return NONE if length_m is None else mm(length_m, 3)
 
 
-def residence_table(run: RunFiles) -> Table | None:
+def residence_table(run: Result) -> Table | None:
     """How long the sand stays; None where that was not measured."""
     found = run.summary.get("residence")
     if not found:

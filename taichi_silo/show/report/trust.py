@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from taichi_silo.show.figures.run_files import RunFiles
+from taichi_silo.runs.result import Result
 from taichi_silo.show.report.words import number, plain, sentence
 
 BALANCE = 1e-9  # of the weight; round-off leaves 1e-15
@@ -47,7 +47,7 @@ class Verdict:
     checks: tuple[Check, ...]
 
 
-def verdict(run: RunFiles) -> Verdict:
+def verdict(run: Result) -> Verdict:
     """What a run's certificate says; a run that did not end well is never good."""
     checks = tuple(_checks(run))
     judged = [check for check in checks if check.passed is not None]
@@ -72,9 +72,10 @@ def verdict(run: RunFiles) -> Verdict:
     return Verdict("good", "The flow is quasi-static and clean", sentence(count), checks)
 
 
-def _checks(run: RunFiles):
-    found, smooth = run.summary.get("certificate") or {}, run.wall_kind == "smooth"
-    plain = smooth and run.silo.floor_is_outlet  # sand that sinks as one block and should not deform at all
+def _checks(run: Result):
+    found, walls = run.summary.get("certificate") or {}, run.scene.walls.kind
+    # sand that sinks as one block should not deform at all
+    block = walls == "smooth" and run.scene.silo.floor_is_outlet
     controlled = not run.free
     for name, key, limit, means in (
         (
@@ -107,21 +108,21 @@ def _checks(run: RunFiles):
         found, "force of the noise control", "largest_noise_control_force_over_weight", CONTROL,
         "largest force with which the numerical noise control holds the sand, over the weight",
     )  # fmt: skip
-    yield from _rigid(found, run.wall_kind)
+    yield from _rigid(found, walls)
     yield from _below(
         found, "unexplained densification", "unexplained_densification", UNEXPLAINED if controlled else None,
         "void ratio lost by sand that has not been sheared: the mark of ratcheting",
     )  # fmt: skip
     yield from _below(
-        found, "drift of the void ratio", "mean_void_ratio_drift", DRIFT if plain else None,
+        found, "drift of the void ratio", "mean_void_ratio_drift", DRIFT if block else None,
         "change of the mean void ratio in flow; a block that slides down has none", size=abs,
     )  # fmt: skip
     yield from _below(
-        found, "strain in the core", "core_strain_path", CORE_PATH if plain else None,
+        found, "strain in the core", "core_strain_path", CORE_PATH if block else None,
         "length of the strain's path in the middle of the silo; a block that slides down has none",
     )  # fmt: skip
     yield from _below(
-        found, "left against right", "left_right_difference_over_weight", MIRROR if plain else None,
+        found, "left against right", "left_right_difference_over_weight", MIRROR if block else None,
         "largest difference of the two walls' forces, over the weight",
     )  # fmt: skip
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from taichi_silo.show.figures.forces import angle, force, running_median, wall_force
-from taichi_silo.show.figures.run_files import RunFiles
+from taichi_silo.runs.result import Result
+from taichi_silo.show.figures.forces import angle, running_median
 from taichi_silo.show.report.states import wall_profile
 from taichi_silo.studies.compare.measured import Measured
 
@@ -16,7 +16,7 @@ UNITS = {"angle": "deg", "normal_stress_Pa": "Pa", "shear_stress_Pa": "Pa"}
 ALL_STATES = ("filling", "maximum", "residual")
 
 
-def deviations(runs: list[RunFiles], measured: list[Measured]) -> pd.DataFrame:
+def deviations(runs: list[Result], measured: list[Measured]) -> pd.DataFrame:
     """A row for each run and each measured quantity.
 
     Deviations are run less measurement at the measured places; `largest` has its sign, and percentages are over the
@@ -27,7 +27,7 @@ def deviations(runs: list[RunFiles], measured: list[Measured]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(COLUMNS), dtype=object)
 
 
-def _of_file(run: RunFiles, measured: Measured):
+def _of_file(run: Result, measured: Measured):
     if measured.kind == "curves":
         for name in measured.quantities:
             known = measured.table[[measured.place, name]].dropna()
@@ -40,7 +40,7 @@ def _of_file(run: RunFiles, measured: Measured):
                 yield _row(run, measured, name, (one, wall), known, wall_profile(run, one, name, wall))
 
 
-def _row(run: RunFiles, measured: Measured, name: str, where: tuple[str, str], known, found) -> tuple:
+def _row(run: Result, measured: Measured, name: str, where: tuple[str, str], known, found) -> tuple:
     """One comparison: `known` and `found` are (places, values)."""
     head = (run.label, measured.name, name, *where, UNITS.get(name, "N/m"))
     place, value = known
@@ -56,7 +56,7 @@ def _row(run: RunFiles, measured: Measured, name: str, where: tuple[str, str], k
     return (*head, *span, rms, float(deviation[k]), float(place[k]), peak, *share)
 
 
-def curve(run: RunFiles, name: str, place: str = "displacement_m") -> tuple[np.ndarray, np.ndarray]:
+def curve(run: Result, name: str, place: str = "displacement_m") -> tuple[np.ndarray, np.ndarray]:
     """Places and values [N/m, or degrees] of a run's curve: the state after filling, then the flow's running median.
 
     Parameters
@@ -84,7 +84,4 @@ def curve(run: RunFiles, name: str, place: str = "displacement_m") -> tuple[np.n
 def _values(rows, name: str):
     if name == "angle":
         return angle(rows)
-    if name in ("P", "T", "N"):
-        return 1e3 * force(rows, name)
-    wall, _, kind = name.partition("_")
-    return 1e3 * wall_force(rows, "T" if kind == "shear" else "N", wall)
+    return rows[name if name in ("P", "T", "N") else f"{name}_N_per_m"]

@@ -1,50 +1,92 @@
 """The table of differences: every quantity of every run against the first one; and each run against Janssen."""
 
+from collections.abc import Iterator
+
+import numpy as np
 import pandas as pd
 
-from taichi_silo.show.figures.run_files import RunFiles
-from taichi_silo.show.report.states import FORCES, forces_of
-from taichi_silo.studies.compare.quantities import STATES, profile_difference, quantities
+from taichi_silo.analysis.measure.wall_pressure import clear_of_corner
+from taichi_silo.runs.result import Result
+from taichi_silo.show.report.states import (
+    FORCES,
+    discharge_rate_kg_per_s_m,
+    forces_of,
+    largest_wall_stress,
+    wall_profile,
+)
 
 COLUMNS = ("quantity", "state", "unit", "run", "value", "first_value", "difference", "difference_percent")
 PROFILE = "wall normal stress, rms difference"
 JANSSEN = ("run", "force", "unit", "pressure_ratio", "origin", "theory", "value", "difference", "difference_percent")
 LEAST_PA = 1.0  # mean wall stress: a share of less says nothing
+ROUND_OFF = 1e-9  # of the mean: a smaller difference is none
 ORIGINS = {"K0": "K0 of the law", "measured": "K in the sand"}
+STATES = {"filling": "filled", "maximum": "N largest", "residual": "residual"}  # of walls.csv: their names here
+NAMES = {"P": "bottom force P", "T": "wall friction T", "N": "wall normal N", "angle": "wall friction angle"}
 
 
-def differences(runs: list[RunFiles]) -> pd.DataFrame:
+def differences(runs: list[Result]) -> pd.DataFrame:
     """A row for each quantity, state and run; `difference_percent` is over the first run's value.
 
     The rows `PROFILE` hold the root mean square difference of the wall normal stress along the wall, whose percentage
     is over the mean of the first run's.
     """
-    of_runs = [{one.key: one for one in quantities(run)} for run in runs]
-    rows = []
-    for key, base in of_runs[0].items():
-        for run, found in zip(runs, of_runs, strict=True):
-            rows.append(_row(*key, base.unit, run.label, found[key].value, base.value))
+    rows, first = [], list(quantities(runs[0]))
+    of_runs = [[value for *_, value in quantities(run)] for run in runs]
+    for number, (quantity, state, unit, base) in enumerate(first):
+        for run, values in zip(runs, of_runs, strict=True):
+            value = values[number]
+            rows.append((quantity, state, unit, run.label, value, base, *_against(value, base)))
     for state, words in STATES.items():
         for run in runs:
-            found = profile_difference(run, runs[0], state)
-            rms, mean = found or (None, None)
+            rms, mean = profile_difference(run, runs[0], state) or (None, None)
             share = 100.0 * rms / mean if mean is not None and mean > LEAST_PA else None
             rows.append((PROFILE, words, "Pa", run.label, rms, mean, rms, share))
     return pd.DataFrame(rows, columns=list(COLUMNS), dtype=object)
 
 
-def _row(quantity: str, state: str, unit: str, label: str, value, first) -> tuple:
-    return quantity, state, unit, label, value, first, *_against(value, first)
+def quantities(run: Result) -> Iterator[tuple[str, str, str, float | None]]:
+    """Name, state ("filled", "peak", "residual" and the like, or empty), unit, and value (None if unknown).
+
+    All runs have the same ones in the same order. The peak of P is its least value in flow, those of T, N and the
+    angle their largest.
+    """
+    summary = run.summary
+    yield "weight", "", "N/m", _number(summary, "weight_N_per_m")
+    for name, force in forces_of(run).items():
+        for state in ("filled", "peak", "residual"):
+            yield NAMES[name], state, "deg" if name == "angle" else "N/m", _number(vars(force), state)
+        yield f"{NAMES[name]}, displacement", "peak", "m", _number(vars(force), "peak_m")
+    for state, words in STATES.items():
+        largest = largest_wall_stress(run, (state,))
+        yield "largest wall normal stress", words, "Pa", None if largest is None else largest.stress_Pa
+    found = _number(summary, "largest_wall_normal_stress_in_flow", "normal_stress_Pa")
+    yield "largest wall normal stress", "whole flow", "Pa", found
+    yield "over-pressure", "", "-", _number(summary, "largest_overpressure", "factor")
+    yield "stagnant share", "", "-", _number(summary, "flow_pattern", "stagnant_area_share")
+    yield "discharge rate", "", "kg/s/m", discharge_rate_kg_per_s_m(run)
+    for side in ("left", "right"):
+        yield f"zone at the {side} wall", "residual", "m", _number(summary, "shear_zones", side, "thickness_m")
 
 
-def _against(value: float | None, other: float | None) -> tuple[float | None, float | None]:
-    """Difference, and per cent of the other."""
-    if value is None or other is None:
-        return None, None
-    return value - other, 100.0 * (value - other) / abs(other) if other else None
+def profile_difference(run: Result, first: Result, state: str) -> tuple[float, float] | None:
+    """Root mean square difference of the wall normal stress from the first run's, and the mean of that [Pa].
+
+    Means of both walls, as a pressure cell reads them, without the corner, over the heights that both have; None if
+    there are none.
+    """
+    (height, stress), other = wall_profile(first, state), wall_profile(run, state)
+    if len(height) < 2 or len(other[0]) < 2:
+        return None
+    clear = clear_of_corner(height) & (height >= other[0][0]) & (height <= other[0][-1])
+    if not clear.any():
+        return None
+    difference = np.interp(height[clear], *other) - stress[clear]
+    rms, mean = float(np.sqrt(np.mean(difference**2))), float(stress[clear].mean())
+    return rms if rms > ROUND_OFF * abs(mean) else 0.0, mean
 
 
-def janssen(runs: list[RunFiles]) -> pd.DataFrame:
+def janssen(runs: list[Result]) -> pd.DataFrame:
     """P, T and N after filling of each run beside Janssen's theory, a row for each pressure ratio."""
     rows = []
     for run in runs:
@@ -57,3 +99,17 @@ def janssen(runs: list[RunFiles]) -> pd.DataFrame:
                 value, ratio = forces[name].filled, theory.get(f"pressure_ratio_{key}")
                 rows.append((run.label, name, "N/m", ratio, origin, expected, value, *_against(value, expected)))
     return pd.DataFrame(rows, columns=list(JANSSEN), dtype=object)
+
+
+def _against(value: float | None, other: float | None) -> tuple[float | None, float | None]:
+    """Difference, and per cent of the other."""
+    if value is None or other is None:
+        return None, None
+    return value - other, 100.0 * (value - other) / abs(other) if other else None
+
+
+def _number(tables: dict, *names: str) -> float | None:
+    """A finite number in tables within tables; None if it is not there."""
+    for name in names:
+        tables = (tables or {}).get(name)
+    return float(tables) if isinstance(tables, int | float) and np.isfinite(tables) else None

@@ -5,15 +5,16 @@ from pathlib import Path
 
 import numpy as np
 
+from taichi_silo.runs.result import Result
 from taichi_silo.show.figures.compare import LABELS, compare_forces_figure, compare_walls_figure, save
-from taichi_silo.show.figures.run_files import RunFiles
 from taichi_silo.show.figures.wall_stress import STATES, STRESSES
 from taichi_silo.show.report.states import FORCES, wall_profile
+from taichi_silo.show.theory import janssen, pressure_ratios, wall_angle_deg
 from taichi_silo.studies.compare.deviation import curve
 from taichi_silo.studies.compare.measured import Measured
 
 
-def draw(runs: list[RunFiles], measured: list[Measured], with_janssen: bool, target: Path) -> list[Path]:
+def draw(runs: list[Result], measured: list[Measured], with_janssen: bool, target: Path) -> list[Path]:
     """Draw `compare_forces.png` and `compare_walls.png` into a folder, and return those that have data.
 
     Places are those of the measured curves; without any, displacements, or times since the outflow began if a run
@@ -24,7 +25,7 @@ def draw(runs: list[RunFiles], measured: list[Measured], with_janssen: bool, tar
     time = place == "time_s"
     curves = {run.label: {name: curve(run, name, place) for name in LABELS} for run in runs}
     profiles = {run.label: {key: _walls(run, *key) for key in product(STATES, STRESSES)} for run in runs}
-    top = max(run.silo.height_m for run in runs)
+    top = max(run.scene.silo.height_m for run in runs)
     forces = {run.label: _forces(run) for run in runs} if with_janssen else {}
     stresses = {run.label: found for run in runs if (found := _stresses(run))} if with_janssen else {}
     figures = {
@@ -34,7 +35,7 @@ def draw(runs: list[RunFiles], measured: list[Measured], with_janssen: bool, tar
     return save(figures, target)
 
 
-def _walls(run: RunFiles, state: str, column: str) -> dict:
+def _walls(run: Result, state: str, column: str) -> dict:
     """Profiles of the walls that have to be told apart."""
     walls = ("left", "right") if run.lopsided else ("both",)
     return {wall: wall_profile(run, state, column, wall) for wall in walls}
@@ -59,20 +60,20 @@ def _profiles(measured: list[Measured]):
                 yield one.name, state, name, wall, *known
 
 
-def _forces(run: RunFiles) -> dict[str, float | None]:
+def _forces(run: Result) -> dict[str, float | None]:
     """Janssen's P, T, N [N/m] at the law's own pressure ratio, and the angle of smooth walls."""
     theory = run.summary.get("janssen") or {}
     found = {name: theory.get(f"{FORCES[name][0]}_K0") for name in ("P", "T", "N")}
-    return found | {"angle": run.wall_angle_deg if run.wall_kind == "smooth" else None}
+    return found | {"angle": wall_angle_deg(run) if run.scene.walls.kind == "smooth" else None}
 
 
-def _stresses(run: RunFiles) -> dict:
+def _stresses(run: Result) -> dict:
     """Janssen's profiles at the law's own pressure ratio; empty where the run does not say enough."""
-    fill = run.janssen(next(iter(run.pressure_ratios.values())))
+    fill = janssen(run, next(iter(pressure_ratios(run).values())))
     if fill is None:
         return {}
     depth = np.linspace(0.0, fill.height_m, 101)
-    height = run.silo.height_m - depth
+    height = run.scene.silo.height_m - depth
     return {
         "normal_stress_Pa": (height, fill.normal_stress_Pa(depth)),
         "shear_stress_Pa": (height, fill.shear_stress_Pa(depth)),

@@ -5,7 +5,6 @@ from rich import box
 from rich.table import Table
 
 from taichi_silo.show.report.words import NONE, number, plain
-from validation.paper.against_runs import PaperFindings
 
 SCALES = {"N/m": (1e-3, "kN/m"), "Pa": (1e-3, "kPa"), "m": (1e3, "mm"), "deg": (1.0, "°"), "-": (1.0, "")}
 PLACES = {"displacement_m": (1e3, "mm"), "height_m": (1e3, "mm"), "time_s": (1.0, "s")}
@@ -14,7 +13,6 @@ MEASURED = {
     "left_shear": "T, left wall", "right_shear": "T, right wall", "normal_stress_Pa": "normal stress",
     "shear_stress_Pa": "shear stress",
 }  # fmt: skip
-VERDICTS = {"yes": "green", "partly": "yellow", "no": "red"}
 
 
 def _table(title: str, *columns: str) -> Table:
@@ -91,38 +89,3 @@ def _per_cent(value) -> str:
 
 def _scaled(value, scale: float = 1e-3):
     return None if value is None else scale * value
-
-
-def paper(found: PaperFindings) -> Table:
-    """One run and the paper's statements."""
-    title = f"{found.label}: the paper's {found.known.case.words}"
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False, show_lines=False)
-    for name, most in (("id", 22), ("statement", None), ("paper", None), ("this run", None), ("agrees", 8)):
-        table.add_column(name, max_width=most, overflow="fold")
-    for row in found.rows.itertuples():
-        said = row.ours or row.why
-        table.add_row(row.id, row.statement, row.paper, said, row.agrees, style=VERDICTS.get(row.agrees))
-    return table
-
-
-def paper_words(found: PaperFindings) -> list[str]:
-    """What has to be said beside the table, or in place of it."""
-    if found.known.case is None:
-        away = "; ".join(
-            f"{path} is {_given(mine)} instead of {_given(other)}" for path, mine, other in found.known.differences
-        )
-        return [f"{found.label} is none of the paper's flows. From the nearest it differs in: {away}."]
-    words = ", ".join(f"{verdict} {number_}" for verdict, number_ in found.verdicts.items() if number_)
-    lines = [f"{len(found.rows)} statements: {words}."]
-    if found.others:
-        lines.append(f"{found.others} more compare it with other cases; give runs of those, too.")
-    if found.known.differences:
-        away = "; ".join(
-            f"{path} {_given(mine)} instead of {_given(other)}" for path, mine, other in found.known.differences
-        )
-        lines.append(f"Computed otherwise than this project's runs of the paper: {away}.")
-    return lines
-
-
-def _given(value) -> str:
-    return "none" if value in (None, [], ()) else str(value)

@@ -6,18 +6,16 @@ from pathlib import Path
 import pandas as pd
 
 from taichi_silo.errors import BadInput
+from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import no_link, writable
-from taichi_silo.show.figures.run_files import RunFiles
 from taichi_silo.studies.compare import differences as tables
 from taichi_silo.studies.compare.deviation import deviations
 from taichi_silo.studies.compare.figures import draw
 from taichi_silo.studies.compare.measured import read
-from taichi_silo.studies.compare.runs import read_runs
 from taichi_silo.utils import atomic_write
 from taichi_silo.utils.bounded_reading import as_left, place
-from validation.paper.against_runs import PaperFindings, against_paper
 
-PRODUCTS = (
+PRODUCTS = (  # paper.csv: of version 0.2
     "compare.csv", "janssen.csv", "deviation.csv", "paper.csv", "compare_forces.png", "compare_walls.png",
 )  # fmt: skip
 
@@ -26,36 +24,34 @@ PRODUCTS = (
 class Comparison:
     """Its runs, tables (None if they were not asked for) and files."""
 
-    runs: list[RunFiles]
+    runs: list[Result]
     differences: pd.DataFrame
     janssen: pd.DataFrame | None
     deviations: pd.DataFrame | None
-    paper: list[PaperFindings]
     files: list[Path]
 
     def as_json(self) -> dict:
         """All numbers, in SI units."""
-        found = {
+        tables = {name: getattr(self, name) for name in ("differences", "janssen", "deviations")}
+        return {
             "runs": {run.label: str(run.folder) for run in self.runs},
-            "differences": _records(self.differences),
+            **{
+                name: table.astype(object).where(table.notna(), None).to_dict("records")
+                for name, table in tables.items()
+                if table is not None
+            },
             "files": [str(file) for file in self.files],
         }
-        for name in ("janssen", "deviations"):
-            if getattr(self, name) is not None:
-                found[name] = _records(getattr(self, name))
-        if self.paper:
-            found["paper"] = [_paper(one) for one in self.paper]
-        return found
 
 
-def compared(folders: list[Path], output: Path, *, janssen: bool, paper: bool, csv: list[Path]) -> Comparison:
+def compared(folders: list[Path], output: Path, *, janssen: bool, csv: list[Path]) -> Comparison:
     """Compare runs and leave tables and figures.
 
     Parameters
     ----------
     folders : of the runs.
     output : folder of what is left.
-    janssen, paper : whether theory and the paper's statements are wanted.
+    janssen : whether theory is wanted.
     csv : files of measurements.
 
     Raises
@@ -68,49 +64,50 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, paper: bool, c
     measured = [read(file) for file in csv]
     if len({one.place for one in measured if one.kind == "curves"}) > 1:
         raise BadInput("csv: curves are given over displacement and over time; they must all be over one of them")
-    if len(runs) == 1 and not (janssen or paper or measured):
-        raise BadInput("runs: there is 1; it must be 2 or more, or one with --janssen, --paper or --csv FILE")
+    if len(runs) == 1 and not (janssen or measured):
+        raise BadInput("runs: there is 1; it must be 2 or more, or one with --janssen or --csv FILE")
     with as_left(runs[0].folder if len(runs) == 1 else f"one of {len(runs)}"):
-        found = Comparison(
-            runs=runs,
-            differences=tables.differences(runs),
-            janssen=tables.janssen(runs) if janssen else None,
-            deviations=deviations(runs, measured) if measured else None,
-            paper=against_paper(runs) if paper else [],
-            files=[],
-        )
+        left = {
+            "compare.csv": tables.differences(runs),
+            "janssen.csv": tables.janssen(runs) if janssen else None,
+            "deviation.csv": deviations(runs, measured) if measured else None,
+        }
     no_link(*(output / f"{name}{end}" for name in PRODUCTS for end in ("", ".part")))
-    output = writable(output)
-    left = {"compare.csv": found.differences, "janssen.csv": found.janssen, "deviation.csv": found.deviations}
-    if paper:
-        left["paper.csv"] = pd.concat([one.rows for one in found.paper])
+    output, files = writable(output), []
     for name in PRODUCTS:
         (output / name).unlink(missing_ok=True)
     for name, table in left.items():
         if table is not None:
-            found.files.append(_write(table, output / name))
-    found.files.extend(draw(runs, measured, janssen, output))
-    return found
+            files.append(output / name)
+            with atomic_write.written(files[-1]) as passing:
+                table.to_csv(passing, index=False, encoding="utf-8")
+    return Comparison(runs, *left.values(), files + draw(runs, measured, janssen, output))
 
 
-def _write(table: pd.DataFrame, file: Path) -> Path:
-    """A table in one piece or not at all."""
-    with atomic_write.written(file) as passing:
-        table.to_csv(passing, index=False, encoding="utf-8")
-    return file
+def read_runs(folders: list[Path]) -> list[Result]:
+    """Runs labelled by the shortest ends of their paths that differ.
+
+    Raises
+    ------
+    BadInput
+        if a folder holds no run of a silo, holds no forces yet, or is given twice.
+
+    """
+    places = [Result(folder).folder.resolve() for folder in folders]
+    for folder, place_ in zip(folders, places, strict=True):
+        if places.count(place_) > 1:
+            raise BadInput(f"folder {folder} is given twice; it must be another run")
+    runs = [Result(folder, label, tolerant=True) for folder, label in zip(folders, _labels(places), strict=True)]
+    for run in runs:
+        run.scene  # noqa: B018 - without which nothing can be compared
+        if run.forces.empty:
+            raise BadInput(f"folder is {run.folder}; it must be a run that has begun, and its forces.csv has no rows")
+    return runs
 
 
-def _records(table: pd.DataFrame) -> list[dict]:
-    return table.astype(object).where(table.notna(), None).to_dict("records")
-
-
-def _paper(found: PaperFindings) -> dict:
-    case = found.known.case
-    return {
-        "run": found.label,
-        "case": None if case is None else case.name,
-        "differences": [{"path": path, "run": mine, "case": other} for path, mine, other in found.known.differences],
-        "statements": _records(found.rows),
-        "not_compared": found.others,
-        "verdicts": found.verdicts,
-    }
+def _labels(folders: list[Path]) -> list[str]:
+    for depth in range(1, max(len(folder.parts) for folder in folders)):
+        labels = ["/".join(folder.parts[-depth:]) for folder in folders]
+        if len(set(labels)) == len(labels):
+            return labels
+    return [folder.as_posix() for folder in folders]

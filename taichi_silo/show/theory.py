@@ -1,0 +1,48 @@
+"""The theories that figures and reports set beside a run: Janssen, EN 1991-4, and friction in critical simple shear."""
+
+from taichi_silo.analysis.theory.eurocode import EurocodeSilo
+from taichi_silo.analysis.theory.janssen import Janssen
+from taichi_silo.runs.result import Result
+from taichi_silo.runs.theories import critical_simple_shear_angle_deg, eurocode_of, janssen_of
+
+TABLE_PRESSURE_RATIO = 0.45  # sand, EN 1991-4 table E.1
+ORIGINS = {"K0": "K0 of the law", "measured": "measured K"}  # ends of names in summary.json: origins of K
+
+
+def straight_m(run: Result) -> float:
+    """Height of sand between vertical walls [m]."""
+    return run.scene.silo.height_m - run.scene.silo.transition_m
+
+
+def wall_angle_deg(run: Result) -> float:
+    """Friction angle along the walls: the wall's own, or of critical simple shear at very rough walls."""
+    if run.scene.walls.kind == "very-rough":
+        return critical_simple_shear_angle_deg(run.scene.sand.critical_friction_angle_deg)
+    return run.scene.walls.friction_angle_deg
+
+
+def pressure_ratios(run: Result) -> dict[str, float]:
+    """Pressure ratios for Janssen's theory by origin: the law's and the measured one, or a table's."""
+    stored = run.summary.get("janssen") or {}
+    known = {origin: stored.get(f"pressure_ratio_{key}") or 0.0 for key, origin in ORIGINS.items()}
+    return {origin: ratio for origin, ratio in known.items() if ratio > 0.0} or {"K of EN 1991-4": TABLE_PRESSURE_RATIO}
+
+
+def janssen(run: Result, pressure_ratio: float) -> Janssen | None:
+    """Janssen's theory of the vertical walls of a run's silo; None without such walls.
+
+    Its friction angle is the one stored with the pressure ratios, for very rough walls the mobilised one.
+    """
+    if not straight_m(run) > 0.0:
+        return None
+    stored = (run.summary.get("janssen") or {}).get("wall_friction_angle_deg")
+    angle = stored if stored is not None and 0.0 <= stored < 90.0 else wall_angle_deg(run)
+    return janssen_of(run.scene, angle, pressure_ratio)
+
+
+def eurocode(run: Result) -> EurocodeSilo | None:
+    """The code's silo of this shape; None of a squat one, for which the code gives other pressures."""
+    if not straight_m(run) > 0.0:
+        return None
+    code = eurocode_of(run.scene.silo, run.scene.walls.kind != "smooth")
+    return None if code.slenderness == "retaining" else code

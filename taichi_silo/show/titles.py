@@ -1,0 +1,27 @@
+"""A run in one line: which sand, which walls, and what is special."""
+
+from taichi_silo.runs.result import Result
+from taichi_silo.scene.sand import Sand
+
+
+def loose(sand: Sand) -> bool:
+    """Whether sand is looser than its critical void ratio without pressure, so that shear contracts it."""
+    return sand.void_ratio > sand.e_c0
+
+
+def sand_title(sand: Sand, symbol: str = "$e_0$") -> str:
+    """Loose or dense, with its initial void ratio; the symbol as figures write it, or "e₀" for other text."""
+    return f"initially {'loose' if loose(sand) else 'dense'} sand ({symbol} = {sand.void_ratio:.2f})"
+
+
+def title(run: Result, symbol: str = "$e_0$") -> str:
+    """Sand, walls, and what else a run is told by, such as an outlet."""
+    scene = run.scene
+    words = [sand_title(scene.sand, symbol)]
+    smooth = scene.walls.kind == "smooth"
+    words.append(f"smooth walls ({scene.walls.friction_angle_deg:g}°)" if smooth else "very rough walls")
+    if special := scene.silo.words():
+        words.append(special)
+    if run.free:
+        words.append("free outflow")
+    return ", ".join(words)
