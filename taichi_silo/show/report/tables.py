@@ -117,11 +117,11 @@ def stress_table(run: Result) -> Table | None:
     where = "left / right wall" if run.lopsided else "mean of both walls"
     note = f"Wall normal stress in kPa, as a pressure cell of 20 mm reads it, {where}; height above the initial bottom."
     if code:
-        values = code.values()
+        friction, pressure_ratio = code.solid.extremes("wall pressure", code.wall)
         note += (
             f" EN 1991-4: {code.slenderness} silo, its table's sand on a {code.wall} wall, characteristic values "
-            f"without patch loads. Filling: γ = {values.weight_density_N_per_m3 / 1e3:g} kN/m³, K = "
-            f"{values.pressure_ratio:.3g}, μ = {values.wall_friction:.3g}; discharge: C_h = "
+            f"without patch loads. Filling: γ = {code.solid.upper_weight_density_N_per_m3 / 1e3:g} kN/m³, K = "
+            f"{pressure_ratio:.3g}, μ = {friction:.3g}; discharge: C_h = "
             f"{code.discharge_factors[0]:.3g} times that."
         )
         limits = ((run.summary.get("theory") or {}).get("eurocode") or {}).get("limits") or []
