@@ -253,7 +253,7 @@ def test_trouble_while_drawing_is_told_in_a_sentence(folder, tmp_path, monkeypat
 
 
 def test_a_folder_without_enough_to_draw_is_refused_in_a_sentence(tmp_path):
-    with pytest.raises(BadInput, match="it must be that of a run, with run.toml in it"):
+    with pytest.raises(BadInput, match="it must be that of a run, and it holds no run.toml"):
         command("render", tmp_path)
     left = made_up.leave(tmp_path / "run", states=4)
     with pytest.raises(BadInput, match="snapshots of the flow are 4; a film needs at least 10"):
