@@ -2,20 +2,21 @@
 
 import taichi as ti
 
-from taichi_silo.mpm import runtime
-from taichi_silo.mpm.loops import Step
+from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Step
 from taichi_silo.mpm.runtime import real
-from taichi_silo.mpm.simd import arrays_of_eight
+from taichi_silo.mpm.simd.store import Groups
+from taichi_silo.mpm.simd.vectors import arrays_of_eight, compiling_simd
 from taichi_silo.mpm.solver import Solver
 
 
 @ti.data_oriented
 class Phases:
-    """Kernels over one phase each, on the lanes of a solver; the state drifts a little, the cost does not."""
+    """Kernels over one phase each, of a solver on the vector unit; the state drifts a little, the cost does not."""
 
     def __init__(self, solver: Solver):
-        self.s, self.lanes = solver, solver.lanes
-        self.groups = solver.particles.groups
+        self.s, self.simd, self.layout = solver, solver.executor, solver.executor.layout
+        phases = {phase.over: phase for phase in solver.phases()}
+        self.scatter_run, self.nodes_run, self.points_run = (phases[o].run for o in (SCATTER, NODES, POINTS))
         self.compiled = set()
 
     def all(self):
@@ -29,12 +30,12 @@ class Phases:
 
     def _timed(self, kernel):
         def run(steps: int, dt: float) -> None:
-            given = self.lanes.points, self.lanes.sums, self.lanes.nodal, steps, dt
+            given = self.simd.points, self.simd.sums, self.simd.nodal, steps, dt
             if kernel in self.compiled:
                 kernel(*given)
             else:
-                self.lanes.load()
-                with runtime.compiling_wide():
+                self.simd.load()
+                with compiling_simd():
                     kernel(*given)
                 self.compiled.add(kernel)
 
@@ -47,9 +48,9 @@ class Phases:
         """Particles to grid."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
-            for strip in range(self.lanes.strips):
-                begin, end = strip * self.groups // self.lanes.strips, (strip + 1) * self.groups // self.lanes.strips
-                self.lanes.scatter(points, sums, strip, begin, end, 0)
+            step = Step(dt=dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
+            for store in ti.static([Groups(self.layout, points, sums, nodal)]):
+                store.scatter(self.scatter_run, 0, 1, step, "all")
 
     @ti.kernel
     def grid(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, steps: ti.i32, dt: real):
@@ -57,20 +58,22 @@ class Phases:
         ti.loop_config(serialize=True)
         for _ in range(steps):
             step = Step(dt=0.0 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
-            for j in range(self.s.grid.rows):
-                for i in range(self.s.grid.columns):  # the pass empties them
-                    sums[j * self.s.grid.columns + i][0] = 1.0
-                self.lanes.integrate_row(sums, nodal, j, step)
+            for store in ti.static([Groups(self.layout, points, sums, nodal)]):
+                for j in range(self.s.grid.rows):
+                    for i in range(self.s.grid.columns):  # the pass empties them
+                        sums[j * self.s.grid.columns + i][0] = 1.0
+                        self.nodes_run(store, i, j, step, "last")
 
     @ti.kernel
     def gather(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, steps: ti.i32, dt: real):
-        """Grid to particles: what a point takes."""
+        """Grid to particles: what a point gathers."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
-            for g in range(self.groups):
-                t = self.lanes.gather(points, nodal, g, 0)
-                total = t[0] + t[1] + t[2] + t[3] + t[4] + t[5] + t[6] + t[7]
-                self.s.particles.write(points, "path", g, self.s.particles.read(points, "path", g) + 1e-30 * total)
+            for store in ti.static([Groups(self.layout, points, sums, nodal)]):
+                for g in range(self.layout.groups):
+                    t = store.gather(self.s.grid.velocity, g, 0)
+                    total = t[0] + t[1] + t[2] + t[3] + t[4] + t[5] + t[6] + t[7]
+                    store.write("path", g, store.read("path", g) + 1e-30 * total)
 
     @ti.kernel
     def law(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, steps: ti.i32, dt: real):
@@ -78,8 +81,9 @@ class Phases:
         ti.loop_config(serialize=True)
         for _ in range(steps):
             step = Step(dt=1e-3 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
-            for g in range(self.groups):
-                self.s.update_point(points, g, 0, step, self.lanes.gather(points, nodal, g, 0), True, True)
+            for store in ti.static([Groups(self.layout, points, sums, nodal)]):
+                for g in range(self.layout.groups):
+                    self.points_run(store, g, 0, step, self.s.grid.velocity)
 
 
 @ti.data_oriented

@@ -8,8 +8,7 @@ import time
 import taichi as ti
 
 from taichi_silo.mpm import runtime
-from taichi_silo.mpm.runtime import LANES, eight
-from taichi_silo.mpm.simd import arrays_of_eight
+from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd, eight
 
 CHAINS = 8  # of operations that do not wait for each other
 # operations + - * / sqrt min max select of a point and step (uGIMP, FLIP, Gudehus-Bauer), and bytes of the fields
@@ -63,7 +62,7 @@ def ceilings() -> dict[str, float]:
 
 
 def _seconds(run) -> float:
-    with runtime.compiling_wide():
+    with compiling_simd():
         run()
     begun = time.perf_counter()
     run()

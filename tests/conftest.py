@@ -11,9 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from taichi_silo.mpm import loops as steps
-from taichi_silo.mpm import runtime
-from taichi_silo.mpm.simd import Lanes
+from taichi_silo.mpm import executors, runtime, solver
 from tests import taichi_frontend  # noqa: F401 - it makes Taichi's front end faster
 
 DATA = Path(__file__).parent / "data"
@@ -66,14 +64,14 @@ def taichi():
 def loops(request):
     """Sand steps eight points at once, as users' does; tests of single formulas, in tests/unit, step plainly.
 
-    For eight points a kernel takes five times as long to compile, and those tests have a kernel each. A module says
+    For eight points a kernel takes twice as long to compile, and those tests have a kernel each. A module says
     otherwise with LANES = True or False. For the same reason a launch with atomic sums, in which every step is compiled
     anew, has two steps instead of eight.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(steps, "BURST", 2)
-        if not getattr(request.module, "LANES", request.path.parent.name != "unit"):
-            patch.setattr(Lanes, "why_not", staticmethod(lambda solver: "this test does without"))
+        patch.setattr(executors, "BURST", 2)
+        if not getattr(request.module, "LANES", "unit" not in request.path.parts):
+            patch.setattr(solver, "hindrance", lambda solver: "this test does without")
         yield
 
 

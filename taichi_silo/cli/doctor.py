@@ -15,7 +15,8 @@ import numpy as np
 import taichi as ti
 
 from taichi_silo.errors import BadInput
-from taichi_silo.mpm import runtime, simd_selftest
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.simd import selftest
 from taichi_silo.runs.run_folder import writable
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls, cores
 from taichi_silo.scene.silo import Silo
@@ -65,7 +66,7 @@ def _taichi() -> Finding:
 
 
 def _vector_unit() -> Finding:
-    why = simd_selftest.failure()
+    why = selftest.failure()
     slow = f"not used, steps take two to four times as long: {why}"
     return Finding("vector unit", None if why else True, slow if why else "eight points at once, as the plain loop")
 

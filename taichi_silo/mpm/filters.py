@@ -3,15 +3,14 @@
 Points outnumber nodes, so some patterns of stress, a checkerboard above all, give no force to any node and nothing
 resists them: the null space of the map from points to nodes.
 
-The contract: `ACTIVE`, and `phases()`, the phases that a filter adds after the stresses are known (see `loops.py`).
+The contract: `ACTIVE`, and `phases()`, the phases that a filter adds after the stresses are known (see `executors`).
 A filtered stress is pulled back to what the law admits.
 """
 
 import taichi as ti
 
-from taichi_silo.mpm.g2p import add
+from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Phase
 from taichi_silo.mpm.grid import MARGIN
-from taichi_silo.mpm.loops import NODES, POINTS
 from taichi_silo.mpm.runtime import real
 
 FLAT = 1e-6  # spread of points in a cell, over the cell squared, below which they show no slope
@@ -34,9 +33,9 @@ class CellFilter:
         self.sums = ti.Vector.field(self.WIDTH, real, shape=grid.copies * grid.nodes)
         self.result = ti.Vector.field(self.WIDTH, real, shape=grid.nodes)
 
-    def phases(self) -> list[tuple]:
+    def phases(self) -> list[Phase]:
         """Points to cells, cells, cells to points."""
-        return [(POINTS, self.collect, None), (NODES, self.settle, None), (POINTS, self.apply, None)]
+        return [Phase(SCATTER, self.collect), Phase(NODES, self.settle), Phase(POINTS, self.apply)]
 
     @ti.func
     def cell(self, p, t):
@@ -83,7 +82,7 @@ class NullSpace(CellFilter):
     WIDTH = 18  # V, Vx, Vy, Vxx, Vxy, Vyy, then V s, V s x, V s y of four stresses; later the plane
 
     @ti.func
-    def collect(self, p, t, step, option: ti.template(), shared: ti.template()):
+    def collect(self, store: ti.template(), p, t, step, option: ti.template()):
         """Moments of volume and stress."""
         i, j, x, y = self.cell(p, t)
         V, s = self.particles.volume[p], self.particles.stress[p]
@@ -91,10 +90,10 @@ class NullSpace(CellFilter):
         row[0], row[1], row[2], row[3], row[4], row[5] = V, V * x, V * y, V * x * x, V * x * y, V * y * y
         for k in ti.static(range(4)):
             row[6 + k], row[10 + k], row[14 + k] = V * s[k], V * s[k] * x, V * s[k] * y
-        add(self.sums, t * self.grid.nodes + self.grid.node(i, j), row, shared)
+        store.add(self.sums, t * self.grid.nodes + self.grid.node(i, j), row)
 
     @ti.func
-    def settle(self, i, j, step, option: ti.template(), shared: ti.template()):
+    def settle(self, store: ti.template(), i, j, step, option: ti.template()):
         """The plane of a cell: mean place, slope of y on x, then mean and slopes of each stress."""
         k, m = self.total(i, j)
         if m[0] > 0.0:
@@ -113,7 +112,7 @@ class NullSpace(CellFilter):
             self.result[k] = plane
 
     @ti.func
-    def apply(self, p, t, step, option: ti.template(), shared: ti.template()):
+    def apply(self, store: ti.template(), p, t, step, option: ti.template()):
         """The plane at the point."""
         i, j, x, y = self.cell(p, t)
         plane = self.result[self.grid.node(i, j)]
@@ -135,7 +134,7 @@ class Smoothing(CellFilter):
     WIDTH = 5  # S V, S V s of four stresses
 
     @ti.func
-    def collect(self, p, t, step, option: ti.template(), shared: ti.template()):
+    def collect(self, store: ti.template(), p, t, step, option: ti.template()):
         """Volume-weighted sums."""
         i, j, x, y = self.cell(p, t)
         V, s = self.particles.volume[p], self.particles.stress[p]
@@ -143,17 +142,17 @@ class Smoothing(CellFilter):
         for b in ti.static(range(2)):
             for a in ti.static(range(2)):
                 share = (x if ti.static(a == 1) else 1.0 - x) * (y if ti.static(b == 1) else 1.0 - y)
-                add(self.sums, t * self.grid.nodes + self.grid.node(i + a, j + b), share * row, shared)
+                store.add(self.sums, t * self.grid.nodes + self.grid.node(i + a, j + b), share * row)
 
     @ti.func
-    def settle(self, i, j, step, option: ti.template(), shared: ti.template()):
+    def settle(self, store: ti.template(), i, j, step, option: ti.template()):
         """Means."""
         k, m = self.total(i, j)
         if m[0] > 0.0:
             self.result[k] = m / m[0]
 
     @ti.func
-    def apply(self, p, t, step, option: ti.template(), shared: ti.template()):
+    def apply(self, store: ti.template(), p, t, step, option: ti.template()):
         """Their interpolation."""
         i, j, x, y = self.cell(p, t)
         s = ti.Vector([0.0] * 5)

@@ -1,6 +1,8 @@
 """What one node does with what the points have given it: equation of motion, noise control, walls.
 
-Formulas only, of plain loop and lanes alike; see phases.py.
+    v_i = (m v)_i / m_i,   v_i += dt f_i / m_i + dt g,   then walls: v_i as far as contact lets it (paper, section 3.1)
+
+Formulas only; the executors loop over the nodes.
 """
 
 import taichi as ti
@@ -8,7 +10,7 @@ import taichi as ti
 
 @ti.func
 def held(wall: ti.template(), step, i, j, x, y):
-    """A velocity of node (i, j) as far as a wall lets it."""
+    """The velocity (x, y) [m/s] of node (i, j) that its contact with a wall admits."""
     base_x, base_y = step.plate_velocity * wall.motion[0], step.plate_velocity * wall.motion[1]
     free_x, free_y = wall.contact.touch((x - base_x, y - base_y), wall.normal(i, j))
     return base_x + free_x, base_y + free_y
@@ -17,29 +19,29 @@ def held(wall: ti.template(), step, i, j, x, y):
 @ti.func
 def motion_of_node(
     grid: ti.template(), walls: ti.template(), surfaces: ti.template(), control: ti.template(), impulses: ti.template(),
-    down: ti.template(), i, j, step, m, old, push, shared: ti.template(),
+    down: ti.template(), i, j, step, m, old, push,
 ):  # fmt: skip
-    """The velocity (x, y) after the step of a node of mass m > 0 that the sand accelerates by `push`.
+    """Velocity (x, y) [m/s] after the step of a node of mass m > 0 [kg/m], velocity `old` and acceleration `push`.
 
-    Equation of motion, surfaces, noise control, walls.
+    In this order: internal force and gravity, surfaces, noise control, walls.
     """
     k = j * grid.columns + i
     x = old[0] + step.dt * (push[0] + step.gravity * down[0])
     y = old[1] + step.dt * (push[1] + step.gravity * down[1])
     if ti.static(surfaces.ACTIVE):
-        pressed_x, pressed_y = surfaces.press_on(impulses, k, j, step.dt, shared)
+        pressed_x, pressed_y = surfaces.press_on(impulses, k, j, step.dt)
         x, y = x + step.dt / m * pressed_x, y + step.dt / m * pressed_y
     if ti.static(control.drag > 0.0 or control.filling_drag > 0.0):
         recent_x, recent_y = grid.recent_velocity(step, j, k, m)
         braking_x = step.dt * (control.drag * (recent_x - old[0]) - step.filling_drag * old[0])
         braking_y = step.dt * (control.drag * (recent_y - old[1]) - step.filling_drag * old[1])
         x, y = x + braking_x, y + braking_y
-        impulses.add_damping(j, (m * braking_x, m * braking_y), shared)
+        impulses.add_damping(j, (m * braking_x, m * braking_y))
     for number, wall in ti.static(enumerate(walls)):
         if wall.holds(i, j):
             free_x, free_y = x, y
             x, y = held(wall, step, i, j, free_x, free_y)
-            impulses.add_wall(number, wall.slot(i, j), (m * (x - free_x), m * (y - free_y)), shared)
+            impulses.add_wall(number, wall.slot(i, j), (m * (x - free_x), m * (y - free_y)))
     if ti.static(control.drag > 0.0):
         grid.remember(k, step.dt / control.memory_time, m, (x, y))
     if ti.static(surfaces.ACTIVE):
@@ -49,7 +51,7 @@ def motion_of_node(
 
 @ti.func
 def pass_by(grid: ti.template(), surfaces: ti.template(), k):
-    """Node k has no sand."""
+    """Node k has no sand in this step: it forgets."""
     grid.forget(k)
     if ti.static(surfaces.ACTIVE):
         surfaces.note(k, 0.0, 0.0, 0.0)
@@ -57,40 +59,27 @@ def pass_by(grid: ti.template(), surfaces: ti.template(), k):
 
 @ti.func
 def integrate_node(
-    grid: ti.template(), walls: ti.template(), surfaces: ti.template(), control: ti.template(), impulses: ti.template(),
-    down: ti.template(), i, j, step, last: ti.template(), shared: ti.template(),
+    nodes: ti.template(), grid: ti.template(), walls: ti.template(), surfaces: ti.template(), control: ti.template(),
+    impulses: ti.template(), down: ti.template(), i, j, step, last: ti.template(),
 ):  # fmt: skip
-    """Motion of node (i, j); empties the sums for the next step.
+    """Equation of motion of node (i, j), from its sums, which are emptied for the next step.
 
-    `last` says that nobody asks for the nodal mass afterwards.
+    `nodes` is where the executor keeps sums and velocities; `last` says that nobody asks for the nodal mass afterwards.
     """
+    m, px, py, fx, fy = nodes.read_sums(i, j, last)
     k = j * grid.columns + i
-    m, momentum, force = grid.mass[k], grid.momentum[k], grid.force[k]
-    for copy in ti.static(range(1, grid.copies)):
-        other = copy * grid.nodes + k
-        m, momentum, force = m + grid.mass[other], momentum + grid.momentum[other], force + grid.force[other]
     if m > 0.0:
-        for copy in ti.static(range(grid.copies)):
-            other = copy * grid.nodes + k
-            if ti.static(last):
-                grid.mass[other] = 0.0
-            grid.momentum[other] = ti.Vector([0.0, 0.0])
-            grid.force[other] = ti.Vector([0.0, 0.0])
         per_m = 1.0 / m
-        old = momentum * per_m
-        push = force * per_m
-        x, y = motion_of_node(
-            grid, walls, surfaces, control, impulses, down, i, j, step, m, (old[0], old[1]), (push[0], push[1]), shared
-        )
-        grid.velocity[k] = ti.Vector([x, y])
-        grid.change[k] = ti.Vector([x - old[0], y - old[1]])
+        old, push = (px * per_m, py * per_m), (fx * per_m, fy * per_m)
+        x, y = motion_of_node(grid, walls, surfaces, control, impulses, down, i, j, step, m, old, push)
+        nodes.write_velocity(k, x, y, old)
     else:
         pass_by(grid, surfaces, k)
 
 
 @ti.func
 def second_velocity_of_node(grid: ti.template(), walls: ti.template(), i, j, step, last: ti.template()):
-    """The `second` of node (i, j): momentum over mass, as far as the given walls let it.
+    """Set the `second_velocity` of node (i, j): momentum over mass, as far as the given walls let it.
 
     `last` says that nobody asks for the two sums afterwards.
     """

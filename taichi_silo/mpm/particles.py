@@ -1,9 +1,12 @@
 """Every field of the material points."""
 
+import math
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 import taichi as ti
 
-from taichi_silo.mpm.runtime import LANES, real, real_place, wide
+from taichi_silo.mpm.runtime import real, real_place
 
 
 @ti.data_oriented
@@ -42,13 +45,43 @@ class Particles:
         ti.root.dense(ti.i, count).place(*(getattr(self, name) for name in self.names))
         self.active = ti.field(ti.i32, shape=())
         self.active[None] = count
-        self.groups = (count + LANES - 1) // LANES
-        # which point stands in which lane of which group (lanes.py); `count` where there is none
-        self.order = ti.field(ti.i32, shape=self.groups * LANES)
-        # where each field begins in the record of a group of lanes (see lanes.py)
-        widths = [self.WIDTHS.get(name, 1) for name in self.names]
-        self.record = sum(widths)
-        self.begins = {name: sum(widths[:k]) for k, name in enumerate(self.names)}
+
+    @classmethod
+    def lattice(
+        cls, law, width_m: float, height_m: float, spacing_m: float, *, origin_m: Sequence[float] = (0.0, 0.0),
+        turned_deg: float = 0.0, void_ratio: float = 0.0, extra: tuple[str, ...] = (),
+    ) -> "Particles":  # fmt: skip
+        """A rectangle of points at rest under the law's rest stress, row after row from below.
+
+        Parameters
+        ----------
+        law : gives grain density and rest stress.
+        width_m, height_m, spacing_m : size of the rectangle, distance of its points.
+        origin_m : its lower left corner.
+        turned_deg : by which it is turned around that corner, to the left.
+        void_ratio : e, so that the density is that of the grains over 1 + e.
+        extra : names of further fields (see `extras`).
+
+        """
+        d = spacing_m
+        x, y = np.meshgrid((np.arange(round(width_m / d)) + 0.5) * d, (np.arange(round(height_m / d)) + 0.5) * d)
+        cos, sin = math.cos(math.radians(turned_deg)), math.sin(math.radians(turned_deg))
+        place = np.stack([x.ravel(), y.ravel()], axis=1) @ np.array([[cos, sin], [-sin, cos]]) + np.array(origin_m)
+        count = len(place)
+        particles = cls(count, extra)
+        particles.load(
+            {
+                "position": place,
+                "velocity": np.zeros((count, 2)),
+                "stress": np.tile([-law.rest_stress] * 3 + [0.0], (count, 1)),
+                "mass": np.full(count, law.grain_density / (1.0 + void_ratio) * d * d),
+                "volume": np.full(count, d * d),
+                "path": np.zeros(count),
+                "intergranular": np.zeros((count, 4)),
+                "domain": np.tile([d * cos, d * sin, -d * sin, d * cos], (count, 1)),
+            }
+        )
+        return particles
 
     @staticmethod
     def extras(law, shape, transfer) -> tuple[str, ...]:
@@ -57,16 +90,9 @@ class Particles:
         return tuple(name for asked, name in wanted if asked)
 
     @ti.func
-    def read(self, lanes: ti.template(), name: ti.template(), p):
-        """A field of point p, or in a kernel over lanes of group p: a value, or a tuple of its components."""
+    def read(self, name: ti.template(), p):
+        """A field of point p: a value, or a tuple of its components."""
         width = ti.static(self.WIDTHS.get(name, 1))
-        if ti.static(wide()):
-            k = p * self.record + ti.static(self.begins[name])
-            if ti.static(width == 1):
-                return lanes[k]
-            if ti.static(width == 2):
-                return lanes[k], lanes[k + 1]
-            return lanes[k], lanes[k + 1], lanes[k + 2], lanes[k + 3]
         value = ti.static(self.fields[name])[p]
         if ti.static(width == 1):
             return value
@@ -75,17 +101,10 @@ class Particles:
         return value[0], value[1], value[2], value[3]
 
     @ti.func
-    def write(self, lanes: ti.template(), name: ti.template(), p, value):
-        """Set a field of point or group p to a value, or a tuple."""
+    def write(self, name: ti.template(), p, value):
+        """Set a field of point p to a value, or a tuple."""
         width = ti.static(self.WIDTHS.get(name, 1))
-        if ti.static(wide()):
-            k = p * self.record + ti.static(self.begins[name])
-            if ti.static(width == 1):
-                lanes[k] = value
-            else:
-                for c in ti.static(range(width)):
-                    lanes[k + c] = value[c]
-        elif ti.static(width == 1):
+        if ti.static(width == 1):
             ti.static(self.fields[name])[p] = value
         else:
             for c in ti.static(range(width)):
@@ -95,7 +114,7 @@ class Particles:
         """All fields as arrays, first axis the active points."""
         return {name: getattr(self, name).to_numpy()[: self.active[None]] for name in self.names}
 
-    def load(self, arrays: dict[str, np.ndarray]) -> None:
+    def load(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Set all fields from arrays of the same shapes, of at most `count` points; `affine` may be left out (0)."""
         self.revision += 1
         number = len(arrays["mass"])

@@ -18,9 +18,7 @@ if PRECISION not in ("f64", "f32", "mixed"):
     raise ValueError(f"TAICHI_SILO_PRECISION is {PRECISION!r}; it must be f64, f32 or mixed")
 real = ti.f64 if PRECISION == "f64" else ti.f32
 real_place = ti.f32 if PRECISION == "f32" else ti.f64
-LANES = 8  # points that a kernel over lanes takes at once
 CACHE_BYTES = 1 << 30  # of compiled kernels that are kept; a tenth, which is usual, holds those of a few scenes
-eight = ti.types.vector(LANES, real)
 ARCHITECTURES = ("cpu", "cuda")
 
 
@@ -72,22 +70,6 @@ def _cache_can_be_kept() -> bool:
     except OSError:
         return False
     return os.access(place, os.R_OK | os.W_OK | os.X_OK)
-
-
-def wide() -> bool:
-    """Whether the kernel that is being compiled works on lanes (see `lanes.py`)."""
-    return not ti.lang.impl.current_cfg().real_matrix_scalarize
-
-
-@contextlib.contextmanager
-def compiling_wide():
-    """Kernels that are called here for the first time keep vectors of eight as vectors of the processor."""
-    configuration = ti.lang.impl.current_cfg()
-    configuration.real_matrix_scalarize = False
-    try:
-        yield
-    finally:
-        configuration.real_matrix_scalarize = True
 
 
 def wait() -> None:

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from taichi_silo.errors import BadInput
-from taichi_silo.mpm.nonlocal_average import most_pairs
+from taichi_silo.mpm.neighbour_rows import most_pairs
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.symmetry import half_model
 
@@ -24,7 +24,7 @@ def needed(scene: Scene) -> float:
     """Bytes that a run of a scene takes, on the processor; rather too few than too many."""
     points = scene.points / (2 if half_model(scene)[0] or scene.silo.section == "round" else 1)
     kernel, _ = scene.averaging.kernel(scene.sand, scene.spacing_m)
-    pairs = most_pairs(kernel, scene.spacing_m, int(points)) if kernel else 0
+    pairs = most_pairs(kernel.radius, scene.spacing_m, int(points)) if kernel else 0
     return OF_PROCESS + OF_POINT * points + OF_PAIR * pairs
 
 

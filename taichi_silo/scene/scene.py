@@ -13,7 +13,8 @@ from pydantic import Field, field_validator, model_validator
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
-from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, MOST_PAIRS, WEIGHTS, most_pairs, self_weight
+from taichi_silo.mpm.neighbour_rows import MOST_PAIRS, most_pairs
+from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, WEIGHTS, self_weight
 from taichi_silo.scene.method_options import MethodOptions, Shape
 from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.silo import Silo
@@ -138,7 +139,7 @@ class Averaging(Options):
             raise ValueError(
                 f"characteristic length is {length:g} m; it must be between 0 and the width of {width_m:g} m"
             )
-        if length > 0.0 and most_pairs(WEIGHTS[self.weight](length), spacing_m, points) > MOST_PAIRS:
+        if length > 0.0 and most_pairs(WEIGHTS[self.weight](length).radius, spacing_m, points) > MOST_PAIRS:
             raise ValueError(
                 f"characteristic length is {length:g} m; with {points} points {1e3 * spacing_m:g} mm apart that makes "
                 f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one or larger cells"

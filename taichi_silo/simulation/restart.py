@@ -9,8 +9,6 @@ which they are built once more. All other fields are made anew in each step.
 import dataclasses
 from types import SimpleNamespace
 
-import numpy as np
-
 from taichi_silo.simulation import filling, outflow
 
 CLOCK = (
@@ -36,10 +34,10 @@ def of(simulation) -> dict:
         kept["ledger"] = {"mass": ledger.mass, "momentum": ledger.momentum, "points": ledger.points}
     if solver.surfaces.ACTIVE:
         kept["surfaces"] = {name: getattr(solver.surfaces, name).to_numpy() for name in ("traction", "seen")}
-    if solver.lanes:
-        kept["lanes"] = {"sorted": list(solver.lanes.sorted), "order": particles.order.to_numpy()}
-    if solver.averaging.ACTIVE and solver.averaging.revision == particles.revision:
-        kept["rows"] = solver.averaging.origin | {"builds": solver.averaging.builds}
+    if (state := solver.executor.state()) is not None:
+        kept["lanes"] = state
+    if solver.averaging.ACTIVE and solver.averaging.rows.revision == particles.revision:
+        kept["rows"] = solver.averaging.rows.origin | {"builds": solver.averaging.rows.builds}
     return kept
 
 
@@ -61,8 +59,8 @@ def restore(simulation, kept: dict) -> None:
         rows = dict(kept["rows"])
         builds = rows.pop("builds")
         particles.load(points | rows)
-        solver.averaging.build()
-        solver.averaging.builds, solver.averaging.revision = builds, loads
+        solver.averaging.rows.build()
+        solver.averaging.rows.builds, solver.averaging.rows.revision = builds, loads
     particles.load(points)
     particles.revision = loads
     for key, values in kept["nodes"].items():
@@ -72,18 +70,4 @@ def restore(simulation, kept: dict) -> None:
             setattr(simulation.ledger, name, value)
     for name, values in kept.get("surfaces", {}).items():
         getattr(solver.surfaces, name).from_numpy(values)
-    if solver.lanes:
-        _restore_lanes(simulation, kept.get("lanes"))
-
-
-def _restore_lanes(simulation, kept: dict | None) -> None:
-    """Order and nodes; points that were stepped plainly until now are sorted before the next step."""
-    lanes, grid = simulation.solver.lanes, simulation.grid
-    velocity, change = grid.velocity.to_numpy(), grid.change.to_numpy()
-    lanes.nodal.from_numpy(np.concatenate([velocity, change, velocity, velocity], axis=1))
-    lanes.sorted = (-1, 0.0)
-    if kept:
-        lanes.sorted = tuple(kept["sorted"])
-        if not ((kept["order"] >= 0) & (kept["order"] <= lanes.particles.count)).all():
-            raise ValueError("the order names points that are not there")
-        lanes.particles.order.from_numpy(kept["order"])
+    solver.executor.restore(kept.get("lanes"))

@@ -100,7 +100,7 @@ class Simulation:
         self.surfaces = surfaces_of(scene, self.section)
         self.lanes = lanes if scene.machine.lanes else False
         self.use(self.control)
-        if why := self.solver.distrust:
+        if why := self.solver.simd_refused:
             slower = "Steps take two to four times as long."
             self.warnings.append(f"The processor's vector unit is not used: {why}. {slower}")
         self.ledger = None if scene.silo.floor_is_outlet else Ledger(self.particles, -EXIT * scene.grid.cell_size_m)
@@ -131,7 +131,7 @@ class Simulation:
         """From now on step with a solver of this noise control."""
         self.solver = (MirroredSolver if self.half else Solver)(
             self.particles, self.grid, self.shape, self.law, self.walls, control, averaging=self.averaging,
-            surroundings=Surroundings(self.section.geometry), surfaces=self.surfaces, lanes=self.lanes,
+            surroundings=Surroundings(self.section.geometry), surfaces=self.surfaces, simd=self.lanes,
             **self.scene.method.solver_options(),
         )  # fmt: skip
 

@@ -10,8 +10,9 @@ import taichi as ti
 from taichi_silo.analysis.theory.janssen import Janssen
 from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
-from taichi_silo.mpm.g2p import scatter
+from taichi_silo.mpm.executors import Fields
 from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
+from taichi_silo.mpm.p2g import scatter
 from taichi_silo.runs.observers.wall_profiles import wall_stress
 from taichi_silo.scene.scene import Flow, Mesh, Method, Sand, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import LEFT, RIGHT, Simulation
@@ -21,13 +22,12 @@ CURVES = ("displacement_m", "bottom_N_per_m", "shear_N_per_m", "normal_N_per_m")
 
 
 def mass_on_grid(solver):
+    store = Fields(solver.particles, solver.grid, solver.shape, atomic=True)
+
     @ti.kernel
     def scatter_all():
         for p in range(solver.particles.count):
-            scatter(
-                solver.particles, solver.grid, solver.shape, solver.transfer, solver.surroundings, p, 0,
-                True, True, True,
-            )  # fmt: skip
+            scatter(store, solver.shape, solver.transfer, solver.surroundings, p, 0, True, True)
 
     scatter_all()
     total = float(solver.grid.mass.to_numpy().sum())

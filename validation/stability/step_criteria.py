@@ -20,7 +20,8 @@ import math
 
 import taichi as ti
 
-from taichi_silo.mpm.g2p import gradient, weights
+from taichi_silo.mpm.g2p import gradient
+from taichi_silo.mpm.point_weights import weights
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.solver import Solver
 
@@ -67,7 +68,7 @@ def at_point(s: ti.template(), p, dt):
     dx, dy = 1.0 / s.grid.cell_size, 1.0 / s.grid.cell_height(0)
     total = 0.0
     for patch in ti.static(range(s.shape.PATCHES)):
-        _i, sx, gx, _j, sy, gy = weights(s.particles, s.grid, s.shape, 0, p, 0, patch)
+        _i, sx, gx, _j, sy, gy = weights(s.particles, s.grid, s.shape, p, 0, patch)
         for b in ti.static(range(s.shape.NODES)):
             for a in ti.static(range(s.shape.NODES)):
                 weight = sx[a] * sy[b]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from taichi_silo.mpm.lane_maths import exp_minus, greatest, power
+from taichi_silo.mpm.simd.lane_maths import exp_minus, greatest, power
 from taichi_silo.mpm.tensors import added, chosen, inner, largest_principal, pressure_of, scaled, shifted, trace_of_cube
 
 SQRT6 = math.sqrt(6.0)

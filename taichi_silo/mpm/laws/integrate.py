@@ -8,12 +8,22 @@ Source: S. W. Sloan, Int. J. Numer. Meth. Eng. 24 (1987) 893-911.
 
 import taichi as ti
 
-from taichi_silo.mpm.lane_maths import greatest, growth
+from taichi_silo.mpm.simd.lane_maths import greatest
 from taichi_silo.mpm.tensors import added, chosen, inner, spun, trace
 
 LOCAL_ERROR = 5e-5  # of Euler's rule in one sub-step, relative to the stress; Heun's is an order smaller
 H_WEIGHT = 0.1  # a change of h by a tenth of R weighs like a change of stress by one hundredth
 SMALLEST_PART = 1e-4  # of the step: a sub-step this small is taken as it is
+
+
+@ti.func
+def growth(rate_times_dt):
+    """Volume ratio exp(x) of a step of volume strain x, to third order.
+
+    The (1, 1) Pade form: a strain and its reverse cancel exactly, so that an oscillation cannot
+    pump the void ratio.
+    """
+    return (1.0 + 0.5 * rate_times_dt) / (1.0 - 0.5 * rate_times_dt)
 
 
 @ti.func

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 
 import taichi as ti
 
-from taichi_silo.mpm.lane_maths import power
 from taichi_silo.mpm.laws.gudehus_bauer import GudehusBauer
+from taichi_silo.mpm.simd.lane_maths import power
 from taichi_silo.mpm.tensors import added, inner, norm, scaled
 
 

@@ -164,7 +164,7 @@ class Surfaces:
         return np.bincount(row.ravel(), area.ravel(), minlength=self.grid.rows)
 
     @ti.func
-    def press_on(self, impulses: ti.template(), k, j, dt, shared: ti.template()):
+    def press_on(self, impulses: ti.template(), k, j, dt):
         """Force on node k of row j; what it gets in a step is booked for the wall, in that row."""
         x, y = 0.0, 0.0
         for n in range(self.begin[k], self.begin[k + 1]):
@@ -173,7 +173,7 @@ class Surfaces:
             p, tau, nx, ny = self.traction[q, 0], self.traction[q, 1], self.fixed[q, 0], self.fixed[q, 1]
             fx, fy = -s * (p * nx - tau * ny), -s * (p * ny + tau * nx)
             x, y = x + fx, y + fy
-            impulses.add_wall(self.wall[q], j, (fx * dt, fy * dt), shared)
+            impulses.add_wall(self.wall[q], j, (fx * dt, fy * dt))
         return x, y
 
     @ti.func

@@ -1,8 +1,8 @@
-"""Whether the lanes of lanes.py can be trusted on this machine: tried in a process of its own, and remembered.
+"""Whether the vector unit can be trusted on this machine: tried in a process of its own, and remembered.
 
-They rest on a switch inside Taichi that ends the whole process where it meets an operation it does not know, and no
-other processor and version than those of the tests can be promised. So before the first use a small silo is stepped
-both ways in a child process (trial.py); whatever happens there, this process goes on, with the plain loop if need be.
+It rests on a switch inside Taichi (`vectors.compiling_simd`), and no other processor and version than those of the
+tests can be promised. So before the first use a block of points is stepped both ways in a child process (`trial`);
+whatever happens there, this process goes on, with plain loops if need be.
 """
 
 import functools
@@ -17,7 +17,7 @@ from pathlib import Path
 import taichi as ti
 
 PATIENCE_S = 300.0
-PACKAGE = Path(__file__).parents[1]
+PACKAGE = Path(__file__).parents[1]  # the method, of which alone the verdict depends
 
 
 def place() -> Path:
@@ -39,7 +39,7 @@ def circumstances() -> str:
 
 @functools.cache
 def failure() -> str:
-    """Why lanes are not to be trusted here; empty if they are. Takes some seconds, once on a machine."""
+    """Why the vector unit is not to be trusted here; empty if it is. Takes some seconds, once on a machine."""
     key, file = circumstances(), place()
     try:
         verdicts = json.loads(file.read_text())
@@ -61,8 +61,8 @@ def failure() -> str:
 def _try() -> str:
     try:
         done = subprocess.run(
-            [sys.executable, "-m", "taichi_silo.mpm.simd_trial"], capture_output=True, text=True, timeout=PATIENCE_S,
-            cwd=PACKAGE.parent,
+            [sys.executable, "-m", "taichi_silo.mpm.simd.trial"], capture_output=True, text=True, timeout=PATIENCE_S,
+            cwd=PACKAGE.parents[1],
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         return f"the trial did not end ({type(error).__name__})"

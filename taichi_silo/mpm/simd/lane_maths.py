@@ -1,11 +1,11 @@
-"""Elementary functions, each for a scalar and for eight lanes alike.
+"""Elementary functions, each of a number or of a vector of eight.
 
 Formulas of a point (laws, shapes) use + - * /, min, max, sqrt, select and these functions only, and never branch at
 run time, so that one source serves a GPU thread, a stress point and a group of particles. Branches belong to the loops,
 which ask for the `greatest` lane.
 
-In a kernel over lanes (see `lanes.py`) a power and an exponential are polynomials, because the processor's vector unit
-has neither: within 3e-15 of the library's. There a base counts as at most 32768, and one below 1e-18 as 0.
+Of a vector, a power and an exponential are polynomials, because the processor's vector unit has neither: within 3e-15
+of the library's. There a base counts as at most 32768, and one below 1e-18 as 0.
 """
 
 import functools
@@ -14,7 +14,7 @@ import math
 import numpy as np
 import taichi as ti
 
-from taichi_silo.mpm.runtime import wide
+from taichi_silo.mpm.simd.vectors import is_eight
 
 ROOT2 = math.sqrt(2.0)
 UPPER = 2.0**0.25  # a base is brought to 2**-1/4 ... 2**1/4 by powers of two and a root of two
@@ -95,7 +95,7 @@ def power(base, exponent: ti.template()):
     result = base
     if ti.static(exponent == 0.5):
         result = ti.sqrt(base)
-    elif ti.static(exponent != 1.0 and wide()):
+    elif ti.static(exponent != 1.0 and is_eight(base)):
         result = power_of_lanes(base, exponent)
     elif ti.static(exponent != 1.0):
         result = base**exponent
@@ -106,7 +106,7 @@ def power(base, exponent: ti.template()):
 def exp_minus(x):
     """exp(-x) for x >= 0."""
     result = x
-    if ti.static(wide()):
+    if ti.static(is_eight(x)):
         c, middle = ti.static(decay_series())
         result = polynomial(c, ti.min(x, LARGEST_DECAY) * 0.5**SQUARINGS - middle)
         for _ in ti.static(range(SQUARINGS)):
@@ -119,16 +119,6 @@ def exp_minus(x):
 @ti.func
 def greatest(x):
     """The greatest of the lanes; of a scalar, itself."""
-    if ti.static(wide()):
+    if ti.static(is_eight(x)):
         return ti.max(ti.max(ti.max(x[0], x[1]), ti.max(x[2], x[3])), ti.max(ti.max(x[4], x[5]), ti.max(x[6], x[7])))
     return x
-
-
-@ti.func
-def growth(rate_times_dt):
-    """Volume ratio exp(x) of a step of volume strain x, to third order.
-
-    The (1, 1) Pade form: a strain and its reverse cancel exactly, so that an oscillation cannot
-    pump the void ratio.
-    """
-    return (1.0 + 0.5 * rate_times_dt) / (1.0 - 0.5 * rate_times_dt)

@@ -34,17 +34,10 @@ def scene(half, walls="smooth", shape="ugimp", per_cell=1, law="auto", threads=1
     )  # fmt: skip
 
 
-def started(half, shared=None, **choices):
+def started(half, **choices):
     what = scene(half, **choices)
     runtime.init(threads=what.machine.threads)
-    silo = Simulation(what)
-    if shared:
-        own = silo.solver
-        silo.solver = type(own)(
-            own.particles, type(own.grid)(silo.width, own.grid.height, CELL), own.shape, own.law, own.walls,
-            own.control, shared=True, **what.method.solver_options(),
-        )  # fmt: skip
-    return silo
+    return Simulation(what)
 
 
 def points_after(steps, half, **choices):
@@ -73,16 +66,6 @@ def test_every_point_and_every_wall_node_is_that_of_the_whole(choices):
     for name, field in whole.items():
         assert np.abs(field - half[name]).max() <= 1e-9 * np.abs(field).max(), name
     assert np.abs(forces - forces_half).max() < 1e-9 * np.abs(forces).max()
-
-
-@pytest.mark.parametrize("how", [{"threads": 2}, {"threads": 2, "shared": True}], ids=["two threads", "atomic sums"])
-@pytest.mark.parametrize("update", ["last", "modified"])
-def test_the_loops_agree_about_the_half(how, update, all_cores):
-    alone, forces = points_after(50, "yes", stress_update=update)
-    other, forces_other = points_after(50, "yes", stress_update=update, **how)
-    for name, field in alone.items():
-        assert np.abs(field - other[name]).max() <= 1e-9 * np.abs(field).max(), name
-    assert np.abs(forces - forces_other).max() < 1e-9 * np.abs(forces).max()
 
 
 def forces(silo):

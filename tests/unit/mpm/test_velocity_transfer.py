@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from taichi_silo.mpm.laws import Elastic
-from taichi_silo.mpm.loops import NODES, POINTS
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.solver import STRESS_UPDATES
@@ -139,13 +138,6 @@ def test_updating_the_stress_last_damps_and_updating_it_first_does_not():
     assert left("last", 4) > 0.75
     assert abs(left("first") - 1.0) < 0.06
     assert abs(left("modified") - 1.0) < 0.06
-
-
-def test_the_phases_of_a_step_stand_in_the_order_of_the_paper():
-    _, body = moving_block(TRANSFERS["flip"]())
-    assert [(over, do.__name__) for _, over, do, _ in body.phases] == [
-        (POINTS, "_scatter"), (NODES, "_integrate"), (POINTS, "_gather"),
-    ]  # fmt: skip
 
 
 def test_orders_that_do_not_exist_are_refused():

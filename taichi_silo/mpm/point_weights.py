@@ -1,0 +1,43 @@
+"""Weights and derivatives between a point and the nodes that it touches.
+
+`points` is whatever can read a field of a point, `Particles` or the packed points of the vector unit: see `executors`.
+"""
+
+import taichi as ti
+
+from taichi_silo.mpm.grid import MARGIN
+
+
+@ti.func
+def domain_of(points: ti.template(), shape: ti.template(), p, per_dx, per_dy):
+    """Edges (r1x, r1y, r2x, r2y) of the point's domain in cells; zeros for a shape without domains."""
+    if ti.static(shape.DOMAIN):
+        ax, ay, bx, by = points.read("domain", p)
+        return ax * per_dx, ay * per_dy, bx * per_dx, by * per_dy
+    return 0.0 * per_dx, 0.0 * per_dx, 0.0 * per_dx, 0.0 * per_dx
+
+
+@ti.func
+def weights(points: ti.template(), grid: ti.template(), shape: ti.template(), p, t, patch: ti.template()):
+    """First column, weights and derivatives along x, first row, the same along y, of one patch of nodes of a point.
+
+    Columns and rows are whole numbers, but of a real type; derivatives are per cell.
+    """
+    cell_height = grid.cell_height(t)
+    per_dx, per_dy = 1.0 / grid.cell_size, 1.0 / cell_height
+    x, y = points.read("position", p)
+    domain = domain_of(points, shape, p, per_dx, per_dy)
+    i, sx, gx, j, sy, gy = shape.patch(patch, x * per_dx, y * per_dy, domain)
+    i, j = i + MARGIN, j + MARGIN
+    # a point that has left the grid (the guard will stop the run) must not write outside it
+    if ti.static(not grid.periodic):
+        i = ti.max(0.0, ti.min(i, grid.columns - shape.NODES))
+    j = ti.max(0.0, ti.min(j, grid.rows - shape.NODES))
+    return i, sx, gx, j, sy, gy
+
+
+@ti.func
+def offset_of_node(particles: ti.template(), grid: ti.template(), p, t, i, j):
+    """Vector from point p to node (i, j) [m]."""
+    node = ti.Vector([(i - MARGIN) * grid.cell_size, (j - MARGIN) * grid.cell_height(t)])
+    return node - particles.position[p]

@@ -1,0 +1,169 @@
+"""The steps of a solver on groups of eight points; the solver's fields hold the state before and after each launch.
+
+The points are cut into strips, each with sums of its own, whose number does not depend on that of the threads: the
+order of every sum, and with it every bit of the result, is the same for one thread and for two.
+"""
+
+import numpy as np
+import taichi as ti
+
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.executors import Phase, PhaseLoop
+from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.particles import Particles
+from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.simd.store import Groups, Layout
+from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd, eight
+
+STRIPS = 2  # or as many as threads, if they are more
+SORTED_FOR = 0.25  # of a cell: as far as points may move before they are sorted anew
+NOTHING = 1e-200  # of a point's mass and volume: what fills up the last group
+
+
+def hindrance(solver) -> str:
+    """Why the steps of a solver cannot run on the vector unit; empty if they can."""
+    if not runtime.is_cpu():
+        return "it runs on a GPU"
+    if real != ti.f64:
+        return "it does not compute in f64"
+    if solver.stress_update != "last":
+        return f"its stress update is '{solver.stress_update}'"
+    if solver.filter.ACTIVE:
+        return "it filters stresses"
+    if solver.transfer.SECOND_TRANSFER or solver.transfer.GRADIENT != "none":
+        return f"its transfer is {solver.transfer}"
+    if solver.grid.periodic:
+        return "its grid is periodic"
+    return ""
+
+
+@ti.data_oriented
+class Simd:
+    """Runs phases over groups of eight points (`executors` says what an executor is, `store.Layout` its arrays)."""
+
+    atomic = False
+
+    def __init__(self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape, surroundings):
+        self.particles, self.grid, self.shape = particles, grid, shape
+        self.loop = PhaseLoop(phases, grid, runtime.threads())
+        self.layout = Layout(particles, grid, shape, surroundings, max(STRIPS, self.loop.threads))
+        self.points = ti.ndarray(eight, self.layout.groups * self.layout.record)
+        self.sums = ti.ndarray(eight, self.layout.strips * grid.nodes)
+        self.nodal = ti.ndarray(eight, grid.nodes)
+        self.sums.fill(0.0)
+        self.nodal.fill(0.0)
+        self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
+        self.compiled = False
+
+    def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
+        """Do steps `done` to `done + count` of a schedule of `steps` (see `Solver.advance`)."""
+        self._sort(count, dt, schedule)
+        self.load()
+        arrays, before = (self.points, self.sums, self.nodal), self.loop.barrier.reserve(count * self.loop.waits)
+        given = *arrays, done, count, steps, dt, *schedule, before
+        if self.compiled:
+            self._steps(*given)
+        else:
+            with compiling_simd():
+                self._steps(*given)
+            self.compiled = True
+        self._store(self.points, self.nodal)
+
+    def check(self) -> None:
+        """Raise RunFailed if the threads lost each other."""
+        self.loop.barrier.check()
+
+    def state(self) -> dict | None:
+        """What outlives a launch beside the fields: the order of the points, and when they were sorted."""
+        return {"sorted": list(self.sorted), "order": self.layout.order.to_numpy()}
+
+    def restore(self, state: dict | None) -> None:
+        """Go on from fields that were loaded, and from a state; without one the points are sorted before the next step.
+
+        Raises
+        ------
+        ValueError
+            if the order names points that are not there.
+
+        """
+        velocity, change = self.grid.velocity.to_numpy(), self.grid.change.to_numpy()
+        self.nodal.from_numpy(np.concatenate([velocity, change, velocity, velocity], axis=1))
+        self.sorted = (-1, 0.0)
+        if state:
+            if not ((state["order"] >= 0) & (state["order"] <= self.particles.count)).all():
+                raise ValueError("the order names points that are not there")
+            self.sorted = tuple(state["sorted"])
+            self.layout.order.from_numpy(state["order"])
+
+    def load(self) -> None:
+        """Take the state over from the fields."""
+        self._load(self.points)
+
+    def _sort(self, count: int, dt: float, schedule) -> None:
+        """Put the points in the order of their cells, unless they hardly moved since that was done."""
+        revision, moved = self.sorted
+        moved += 2.0 * count * dt * max(map(abs, schedule[2:4])) / self.grid.cell_size
+        moved += count * 1e-4  # if something moves by itself faster than that, the order is not the best
+        if revision == self.particles.revision and moved < SORTED_FOR:
+            self.sorted = revision, moved
+            return
+        active = int(self.particles.active[None])
+        place = self.particles.position.to_numpy()[:active]
+        if np.isfinite(place).all():
+            per_cell = 1.0 / self.grid.cell_size, 1.0 / (self.grid.cell_size * float(self.grid.stretch[0]))
+            offset = self.shape.half_size if self.shape.NODES == 3 else 0.0
+            # a lattice may lie on the edge of cells: round-off must not tear its rows apart
+            cell = np.floor(place * per_cell - offset + 1e-9)
+            order = np.lexsort((cell[:, 0], cell[:, 1])).astype(np.int32)
+        else:
+            order = np.arange(active, dtype=np.int32)
+        full = np.full(self.layout.groups * LANES, self.particles.count, dtype=np.int32)
+        full[:active] = order
+        self.layout.order.from_numpy(full)
+        self.sorted = self.particles.revision, 0.0
+
+    @ti.kernel
+    def _load(self, points: arrays_of_eight):
+        for q in range(self.layout.groups * LANES):
+            g, lane = q // LANES, q % LANES
+            p, scale = self.layout.order[q], ti.cast(1.0, real)
+            if p >= self.particles.active[None]:
+                p, scale = self.layout.order[ti.max(self.particles.active[None] - 1, 0)], NOTHING
+            for name in ti.static(self.particles.names):
+                k = g * self.layout.record + ti.static(self.layout.begins[name])
+                width = ti.static(self.particles.WIDTHS.get(name, 1))
+                if ti.static(name in ("mass", "volume")):
+                    points[k][lane] = scale * ti.static(self.particles.fields[name])[p]
+                elif ti.static(width == 1):
+                    points[k][lane] = ti.static(self.particles.fields[name])[p]
+                else:
+                    for c in ti.static(range(width)):
+                        points[k + c][lane] = ti.static(self.particles.fields[name])[p][c]
+
+    @ti.kernel
+    def _store(self, points: arrays_of_eight, nodal: arrays_of_eight):
+        for q in range(self.particles.active[None]):
+            g, lane = q // LANES, q % LANES
+            p = self.layout.order[q]
+            for name in ti.static(self.particles.names):
+                k = g * self.layout.record + ti.static(self.layout.begins[name])
+                width = ti.static(self.particles.WIDTHS.get(name, 1))
+                if ti.static(width == 1):
+                    ti.static(self.particles.fields[name])[p] = points[k][lane]
+                else:
+                    for c in ti.static(range(width)):
+                        ti.static(self.particles.fields[name])[p][c] = points[k + c][lane]
+        for k in range(self.grid.nodes):
+            for c in ti.static(range(2)):
+                self.grid.velocity[k][c] = nodal[k][c]
+                self.grid.change[k][c] = nodal[k][2 + c]
+
+    @ti.kernel
+    def _steps(
+        self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, done: ti.i32, count: ti.i32,
+        steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real, filling_drag: real, passed: ti.i32,
+    ):  # fmt: skip
+        ti.loop_config(block_dim=1)
+        for t in range(self.loop.threads):
+            for store in ti.static([Groups(self.layout, points, sums, nodal)]):  # known while this is compiled
+                self.loop.steps(store, t, done, count, steps, dt, g0, g1, v0, v1, filling_drag, passed)

@@ -1,0 +1,280 @@
+"""Points and nodes as the vector unit holds them, and how eight points at once reach their nodes.
+
+Formulas are those of `p2g`, `g2p` and the law; only who scatters and who gathers is written here. What makes it fast:
+vectors of eight that stay vectors of the processor, and points in the order of their cells, so that the sums of a run
+of points with the same nodes stay in registers.
+"""
+
+import taichi as ti
+
+from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.p2g import point_contributions
+from taichi_silo.mpm.particles import Particles
+from taichi_silo.mpm.point_weights import weights
+from taichi_silo.mpm.simd.lane_maths import greatest
+from taichi_silo.mpm.simd.vectors import LANES, eight
+
+MIRROR = (1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0)  # of the eight slots that a point gives: x turns round
+MIRROR_VELOCITY = (-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0)  # of the eight numbers that a node has
+
+
+@ti.func
+def along_x(s, g):
+    """Weights along x of the eight slots of `p2g`."""
+    return eight(s, s, s, s, g, g, s, s)
+
+
+@ti.func
+def along_y(s, g):
+    """Weights along y of the eight slots."""
+    return eight(s, s, s, s, s, s, g, g)
+
+
+class Layout:
+    """Where everything of a group of eight points stands.
+
+    ==============  ===============  ===================================================================
+    array of eight  shape            meaning
+    ==============  ===============  ===================================================================
+    points          group * record   the fields of eight points, one after the other
+    sums            strip * node     what the points of a strip gave to a node, by slots
+    nodal           node             what a point may gather there: velocity, change, velocity, velocity
+    ==============  ===============  ===================================================================
+
+    `order` (field, group * 8) is the number of each point, `particles.count` where there is none; `reach` (strip, 2)
+    the first and last row of nodes that a strip touched.
+    """
+
+    def __init__(self, particles: Particles, grid: Grid, shape, surroundings, strips: int):
+        self.particles, self.grid, self.shape, self.surroundings = particles, grid, shape, surroundings
+        self.strips = strips
+        self.groups = (particles.count + LANES - 1) // LANES
+        widths = [particles.WIDTHS.get(name, 1) for name in particles.names]
+        self.record = sum(widths)
+        self.begins = {name: sum(widths[:k]) for k, name in enumerate(particles.names)}
+        self.order = ti.field(ti.i32, shape=self.groups * LANES)
+        self.reach = ti.field(ti.i32, shape=(strips, 16))
+
+
+@ti.data_oriented
+class Groups:
+    """The store of the vector unit, over arrays that were handed to a kernel (see `executors` for the members)."""
+
+    def __init__(self, layout: Layout, points, sums, nodal):
+        self.layout, self.points, self.sums, self.nodal = layout, points, sums, nodal
+        self.particles, self.grid, self.shape = layout.particles, layout.grid, layout.shape
+        self.surroundings, self.strips = layout.surroundings, layout.strips
+        self.order, self.reach = layout.order, layout.reach
+
+    # --- fields of the points of group g -------------------------------------------------------------------------
+
+    @ti.func
+    def read(self, name: ti.template(), g):
+        """A field: eight numbers, or a tuple of its components."""
+        width = ti.static(self.particles.WIDTHS.get(name, 1))
+        k = g * self.layout.record + ti.static(self.layout.begins[name])
+        if ti.static(width == 1):
+            return self.points[k]
+        if ti.static(width == 2):
+            return self.points[k], self.points[k + 1]
+        return self.points[k], self.points[k + 1], self.points[k + 2], self.points[k + 3]
+
+    @ti.func
+    def write(self, name: ti.template(), g, value):
+        """Set a field to eight numbers, or a tuple of them."""
+        width = ti.static(self.particles.WIDTHS.get(name, 1))
+        k = g * self.layout.record + ti.static(self.layout.begins[name])
+        if ti.static(width == 1):
+            self.points[k] = value
+        else:
+            for c in ti.static(range(width)):
+                self.points[k + c] = value[c]
+
+    @ti.func
+    def keep(self, field: ti.template(), g, value):
+        """Set the entries of the points in a scalar field by points."""
+        for lane in ti.static(range(LANES)):
+            field[self.order[g * LANES + lane]] = value[lane]
+
+    @ti.func
+    def kept(self, field: ti.template(), g):
+        """The entries of the points in a scalar field by points."""
+        values = eight(0.0)
+        for lane in ti.static(range(LANES)):
+            values[lane] = field[self.order[g * LANES + lane]]
+        return values
+
+    @ti.func
+    def each(self, function: ti.template(), g):
+        """A function of the number of each point."""
+        values = eight(0.0)
+        for lane in ti.static(range(LANES)):
+            values[lane] = function(self.order[g * LANES + lane])
+        return values
+
+    # --- between points and nodes ---------------------------------------------------------------------------------
+
+    @ti.func
+    def strips_of(self, t, threads: ti.template()):
+        """First of the strips of thread t, and of those of the next."""
+        return t * self.strips // threads, (t + 1) * self.strips // threads
+
+    @ti.func
+    def first_group(self, strip):
+        """Number of the first group of a strip."""
+        return strip * ((self.particles.active[None] + LANES - 1) // LANES) // self.strips
+
+    @ti.func
+    def points_of(self, t, threads: ti.template()):
+        """First of the groups of thread t, and of those of the next."""
+        first, last = self.strips_of(t, threads)
+        return self.first_group(first), self.first_group(last)
+
+    @ti.func
+    def scatter(self, run: ti.template(), t, threads: ti.template(), step, option: ti.template()):
+        """Particles to grid: what the points of thread t give, strip by strip (the formula is `p2g`'s, not `run`)."""
+        first, last = self.strips_of(t, threads)
+        for strip in range(first, last):
+            self.scatter_strip(strip, t)
+
+    @ti.func
+    def scatter_strip(self, strip, t):
+        """Into the sums of a strip, what its points give."""
+        lowest, highest = eight(self.grid.rows), eight(0.0)
+        nothing = eight(0.0)
+        c00, c01, c02 = nothing, nothing, nothing
+        c10, c11, c12 = nothing, nothing, nothing
+        c20, c21, c22 = nothing, nothing, nothing
+        at, columns = -2, self.grid.columns  # nothing has been collected yet, and node 0 does not follow it
+        for g in range(self.first_group(strip), self.first_group(strip + 1)):
+            given = point_contributions(self, self.grid, self.surroundings, g, t)
+            for patch in ti.static(range(self.shape.PATCHES)):
+                i, sx, gx, j, sy, gy = weights(self, self.grid, self.shape, g, t, patch)
+                lowest, highest = ti.min(lowest, j), ti.max(highest, j)
+                first = j * columns + i
+                for lane in range(LANES):
+                    k = strip * self.grid.nodes + self.within(first[lane])
+                    v = eight(
+                        given[0][lane], given[1][lane], given[2][lane], given[3][lane], given[4][lane], given[5][lane],
+                        given[6][lane], given[7][lane],
+                    )  # fmt: skip
+                    if ti.static(self.shape.NODES == 3):
+                        # as long as the points have the same nodes, their sums stay here
+                        if k == at + 1:
+                            self.sums[at] = self.sums[at] + c00
+                            self.sums[at + columns] = self.sums[at + columns] + c10
+                            self.sums[at + 2 * columns] = self.sums[at + 2 * columns] + c20
+                            c00, c10, c20 = c01, c11, c21
+                            c01, c11, c21 = c02, c12, c22
+                            c02, c12, c22 = nothing, nothing, nothing
+                            at = k
+                        if k != at:
+                            self.flush(at, c00, c01, c02, c10, c11, c12, c20, c21, c22)
+                            c00, c01, c02 = nothing, nothing, nothing
+                            c10, c11, c12 = nothing, nothing, nothing
+                            c20, c21, c22 = nothing, nothing, nothing
+                            at = k
+                        x0, x1, x2 = (
+                            along_x(sx[0][lane], gx[0][lane]), along_x(sx[1][lane], gx[1][lane]),
+                            along_x(sx[2][lane], gx[2][lane]),
+                        )  # fmt: skip
+                        y = v * along_y(sy[0][lane], gy[0][lane])
+                        c00, c01, c02 = c00 + x0 * y, c01 + x1 * y, c02 + x2 * y
+                        y = v * along_y(sy[1][lane], gy[1][lane])
+                        c10, c11, c12 = c10 + x0 * y, c11 + x1 * y, c12 + x2 * y
+                        y = v * along_y(sy[2][lane], gy[2][lane])
+                        c20, c21, c22 = c20 + x0 * y, c21 + x1 * y, c22 + x2 * y
+                    else:
+                        for b in ti.static(range(self.shape.NODES)):
+                            y = v * along_y(sy[b][lane], gy[b][lane])
+                            for a in ti.static(range(self.shape.NODES)):
+                                node = k + b * columns + a
+                                self.sums[node] = self.sums[node] + along_x(sx[a][lane], gx[a][lane]) * y
+        self.flush(at, c00, c01, c02, c10, c11, c12, c20, c21, c22)
+        self.reach[strip, 0] = ti.cast(0.0 - greatest(0.0 - lowest), ti.i32)
+        self.reach[strip, 1] = ti.cast(greatest(highest), ti.i32) + self.shape.NODES - 1
+
+    @ti.func
+    def within(self, first):
+        """Number of the first node of a patch; one of the grid's even where the place of a point is no number."""
+        span = ti.static((self.shape.NODES - 1) * (self.grid.columns + 1))
+        return ti.max(0, ti.min(ti.cast(first, ti.i32), self.grid.nodes - 1 - span))
+
+    @ti.func
+    def flush(self, k, c00, c01, c02, c10, c11, c12, c20, c21, c22):
+        """Add nine nodes' sums from node k on."""
+        if k >= 0:
+            rows = ((c00, c01, c02), (c10, c11, c12), (c20, c21, c22))
+            for b in ti.static(range(3)):
+                for a in ti.static(range(3)):
+                    node = k + b * self.grid.columns + a
+                    self.sums[node] = self.sums[node] + rows[b][a]
+
+    @ti.func
+    def gather(self, field: ti.template(), g, t):
+        """Grid to particles: the eight slots that the points of group g gather, and the first once more (S v_x)."""
+        t0, t1, t2, t3 = eight(0.0), eight(0.0), eight(0.0), eight(0.0)
+        t4, t5, t6, t7 = eight(0.0), eight(0.0), eight(0.0), eight(0.0)
+        for patch in ti.static(range(self.shape.PATCHES)):
+            i, sx, gx, j, sy, gy = weights(self, self.grid, self.shape, g, t, patch)
+            first = j * self.grid.columns + i
+            for lane in range(LANES):
+                k = self.within(first[lane])
+                total = eight(0.0)
+                for b in ti.static(range(self.shape.NODES)):
+                    row = eight(0.0)
+                    for a in ti.static(range(self.shape.NODES)):
+                        row = row + self.nodal[k + b * self.grid.columns + a] * along_x(sx[a][lane], gx[a][lane])
+                    total = total + row * along_y(sy[b][lane], gy[b][lane])
+                t0[lane], t1[lane], t2[lane], t3[lane] = (
+                    t0[lane] + total[0], t1[lane] + total[1], t2[lane] + total[2], t3[lane] + total[3]
+                )  # fmt: skip
+                t4[lane], t5[lane], t6[lane], t7[lane] = (
+                    t4[lane] + total[4], t5[lane] + total[5], t6[lane] + total[6], t7[lane] + total[7]
+                )  # fmt: skip
+        return t0, t1, t2, t3, t4, t5, t6, t7, t0
+
+    # --- nodes ----------------------------------------------------------------------------------------------------
+
+    @ti.func
+    def touches(self, strip: ti.template(), j):
+        """Whether a strip has given anything to row j."""
+        return self.reach[strip, 0] <= j and j <= self.reach[strip, 1]
+
+    @ti.func
+    def read_sums(self, i, j, last: ti.template()):
+        """Mass, momentum and force of node (i, j) from all strips, which are emptied."""
+        k = j * self.grid.columns + i
+        total = eight(0.0)
+        for strip in ti.static(range(self.strips)):
+            if self.touches(strip, j):
+                total = total + self.sums[strip * self.grid.nodes + k]
+                self.sums[strip * self.grid.nodes + k] = eight(0.0)
+        return total[0], total[1], total[2], total[3] + total[4] + total[6], total[5] + total[7]
+
+    @ti.func
+    def write_velocity(self, k, x, y, old):
+        """Velocity (x, y) of node k, and its change from an old one."""
+        self.nodal[k] = eight(x, y, x - old[0], y - old[1], x, y, x, y)
+
+    @ti.func
+    def clear_axis(self, k, j):
+        """Nothing crosses the axis at node k: no momentum and no force along x."""
+        for strip in ti.static(range(self.strips)):
+            if self.touches(strip, j):
+                here = strip * self.grid.nodes + k
+                self.sums[here] = self.sums[here] * (0.5 + 0.5 * eight(*ti.static(MIRROR)))
+
+    @ti.func
+    def fold(self, k, image, j):
+        """Add the mirrored sums of node `image` to those of node k, and empty them."""
+        for strip in ti.static(range(self.strips)):
+            if self.touches(strip, j):
+                here, there = strip * self.grid.nodes + k, strip * self.grid.nodes + image
+                self.sums[here] = self.sums[here] + self.sums[there] * eight(*ti.static(MIRROR))
+                self.sums[there] = eight(0.0)
+
+    @ti.func
+    def unfold(self, k, image):
+        """Mirror the velocities of node k to node `image`."""
+        self.nodal[image] = self.nodal[k] * eight(*ti.static(MIRROR_VELOCITY))

@@ -1,0 +1,57 @@
+"""Impulses on the sand, added up over the steps since they were last read."""
+
+import numpy as np
+import taichi as ti
+
+from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.runtime import real
+
+
+@ti.data_oriented
+class Impulses:
+    """What walls and noise control have given the sand [N s/m].
+
+    ==============  ================  ===============================================================
+    field           shape             meaning
+    ==============  ================  ===============================================================
+    reaction        wall, slot, 2     impulse (x, y) that each wall gave, by place along the wall
+    control         grid row, 2       impulse (x, y) of the noise control
+    ==============  ================  ===============================================================
+
+    Parameters
+    ----------
+    walls : number of walls.
+    grid : the grid, whose rows and columns are the slots.
+    atomic : whether nodes of one slot may be updated at the same time.
+
+    """
+
+    def __init__(self, walls: int, grid: Grid, atomic: bool):
+        self.atomic = atomic
+        self.reaction = ti.field(real, shape=(max(walls, 1), max(grid.columns, grid.rows), 2))
+        self.control = ti.field(real, shape=(grid.rows, 2))
+
+    @ti.func
+    def add_wall(self, wall, slot, impulse):
+        """Add an impulse (x, y) that a wall has given to the sand."""
+        for c in ti.static(range(2)):
+            if ti.static(self.atomic):
+                self.reaction[wall, slot, c] += impulse[c]
+            else:
+                self.reaction[wall, slot, c] = self.reaction[wall, slot, c] + impulse[c]
+
+    @ti.func
+    def add_damping(self, row, impulse):
+        """Add an impulse (x, y) that the noise control has given to a row of nodes."""
+        for c in ti.static(range(2)):
+            if ti.static(self.atomic):
+                self.control[row, c] += impulse[c]
+            else:
+                self.control[row, c] = self.control[row, c] + impulse[c]
+
+    def read_and_reset(self) -> tuple[np.ndarray, np.ndarray]:
+        """Reaction (walls, slots, 2) and control (rows, 2) since the last call [N s/m]."""
+        found = self.reaction.to_numpy(), self.control.to_numpy()
+        self.reaction.fill(0.0)
+        self.control.fill(0.0)
+        return found

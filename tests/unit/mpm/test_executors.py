@@ -1,0 +1,174 @@
+"""Whoever runs the phases, the step is the same: threads, tasks with atomic sums, eight points at once, a GPU."""
+
+import functools
+
+import numpy as np
+import pytest
+import taichi as ti
+
+from taichi_silo.mpm import runtime, solver
+from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Tasks, Threads
+from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.laws import Elastic
+from taichi_silo.mpm.particles import Particles
+from taichi_silo.mpm.shapes import UniformGimp
+from taichi_silo.mpm.simd.executor import Simd
+from taichi_silo.mpm.solver import Solver
+from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
+from taichi_silo.scene.silo import Hopper, Outlet
+from taichi_silo.simulation.simulation import Simulation
+
+LANES = True  # see conftest.py
+pytestmark = pytest.mark.usefixtures("all_cores")
+ALONE, TWO, ATOMIC, EIGHT, EIGHT_ON_TWO = "one thread", "two threads", "atomic sums", "simd", "simd on two threads"
+SMOOTH = Walls(kind="smooth", friction_angle_deg=19.0)
+HOPPER = Silo(width_m=0.1, height_m=0.2, hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.05))
+HALF = Silo(width_m=0.12, height_m=0.2, half="yes")
+SCENES = {
+    "very rough": {},
+    "smooth, four points a cell": {"walls": SMOOTH, "grid": Mesh(cell_size_m=0.02, points_per_cell=4)},
+    "convected domains": {"grid": Mesh(cell_size_m=0.02, points_per_cell=4, shape="cpdi")},
+    "non-local": {"averaging": Averaging(characteristic_length_m=0.01)},
+    "hopper": {"silo": HOPPER, "walls": SMOOTH},
+    "half": {"silo": HALF, "grid": Mesh(cell_size_m=0.02)},
+    "nine points of hats": {"grid": Mesh(cell_size_m=0.02, points_per_cell=9, shape="linear")},
+    "splines, blend": {"grid": Mesh(cell_size_m=0.01, shape="bspline"), "method": Method(transfer="blend")},
+    "cpgimp, pic": {"grid": Mesh(cell_size_m=0.01, shape="cpgimp"), "method": Method(transfer="pic")},
+    "memory": {"sand": Sand(law="intergranular")},
+    "round, outlet": {"silo": Silo(width_m=0.1, height_m=0.2, section="round", outlet=Outlet(width_m=0.04))},
+    "cpdi xpic null-space": {
+        "grid": Mesh(cell_size_m=0.02, shape="cpdi", points_per_cell=4),
+        "method": Method(transfer="xpic", stress_filter="null-space"),
+    },
+    "cpgimp first smoothing": {
+        "grid": Mesh(cell_size_m=0.01, shape="cpgimp"),
+        "method": Method(stress_update="first", stress_filter="smoothing"),
+    },
+    "bspline apic modified half": {
+        "silo": HALF, "grid": Mesh(cell_size_m=0.02, shape="bspline"),
+        "method": Method(transfer="apic", stress_update="modified"),
+    },
+}  # fmt: skip
+
+
+def stepped(name, how=ALONE, arch="cpu"):
+    """Fields and impulses after 100 steps of a silo that is filled while its bottom sinks, and the solver."""
+    threads = 2 if how in (TWO, EIGHT_ON_TWO) else 1
+    runtime.init(arch, threads=threads)
+    given = {"silo": Silo(width_m=0.1, height_m=0.2, half="no"), "grid": Mesh(cell_size_m=0.01)} | SCENES[name]
+    options = {"shared": how == ATOMIC or None, "simd": how in (EIGHT, EIGHT_ON_TWO)}
+    with pytest.MonkeyPatch.context() as patch:
+        built = Solver.__init__
+        patch.setattr(Solver, "__init__", lambda self, *a, **k: built(self, *a, **(k | options)))
+        machine = Machine(arch=arch, threads=threads)
+        silo = Simulation(Scene(flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), machine=machine, **given))
+    silo.solver.advance(100, 2e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
+    reaction, control = silo.solver.impulses.read_and_reset()
+    return silo.particles.arrays() | {"reaction": reaction, "control": control}, silo.solver
+
+
+@functools.cache
+def fields(name, how=ALONE):
+    return stepped(name, how)[0]
+
+
+def assert_equal(one, other, tolerance):
+    """To a tolerance of the largest value of each field, of impulses that of the walls."""
+    for name, field in one.items():
+        size = np.abs(one["reaction" if name == "control" else name]).max()
+        assert np.abs(field - other[name]).max() <= tolerance * size, name
+
+
+MAY = list(SCENES)[:11]  # those that the vector unit can do
+LONG = {"nine points of hats", "splines, blend", "cpgimp, pic", "memory", "round, outlet", "smooth, four points a cell"}
+
+
+def marked(names):
+    return [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in names]
+
+
+@pytest.mark.parametrize("name", marked(MAY))
+def test_eight_points_at_once_do_the_step_of_the_plain_loop(name):
+    assert_equal(fields(name), fields(name, EIGHT), 1e-12)
+
+
+@pytest.mark.parametrize("name", ["very rough", "hopper", pytest.param("non-local", marks=pytest.mark.long)])
+def test_eight_at_once_on_two_threads_do_what_they_do_on_one_bit_by_bit(name):
+    one, two = fields(name, EIGHT), fields(name, EIGHT_ON_TWO)
+    assert all((field == two[key]).all() for key, field in one.items())
+
+
+@pytest.mark.parametrize(
+    ("name", "how"),
+    [
+        ("very rough", TWO), ("very rough", ATOMIC), ("hopper", TWO), ("hopper", ATOMIC), ("non-local", ATOMIC),
+        ("half", TWO), ("half", ATOMIC), ("cpdi xpic null-space", TWO), ("cpgimp first smoothing", ATOMIC),
+        ("bspline apic modified half", TWO), ("bspline apic modified half", ATOMIC),
+        *(
+            pytest.param(name, how, marks=pytest.mark.long)
+            for name, how in [("non-local", TWO), ("cpdi xpic null-space", ATOMIC), ("cpgimp first smoothing", TWO)]
+        ),
+    ],
+)  # fmt: skip
+def test_threads_and_tasks_agree_to_round_off(name, how):
+    """What walls give is booked where nodes get it, whoever steps them."""
+    assert np.abs(fields(name)["reaction"]).max() > 0.0
+    assert_equal(fields(name), fields(name, how), 1e-9)
+
+
+@pytest.mark.skipif(not ti._lib.core.with_cuda(), reason="no CUDA device here")
+@pytest.mark.parametrize("name", ["very rough", "smooth, four points a cell", "non-local"])
+def test_a_graphics_card_does_the_same_step_to_round_off(name):
+    assert_equal(fields(name), stepped(name, None, "cuda")[0], 1e-9)
+
+
+@pytest.mark.parametrize("how", [ALONE, TWO])
+def test_threads_repeat_themselves_bit_by_bit(how):
+    again = stepped("very rough", how)[0]
+    assert all((field == again[name]).all() for name, field in fields("very rough", how).items())
+
+
+def block(threads=1, **options):
+    """A solver of a small elastic block that stands on nothing."""
+    runtime.init(threads=threads)
+    law = Elastic(1e6)
+    particles = Particles.lattice(law, 0.2, 0.2, 0.05, origin_m=(0.1, 0.1))
+    return Solver(particles, Grid(0.4, 0.4, 0.05), UniformGimp(), law, **options)
+
+
+@pytest.mark.parametrize(
+    ("options", "kind"), [({"simd": False}, Threads), ({"simd": True}, Simd), ({"shared": True}, Tasks)]
+)
+def test_steps_may_be_cut_into_launches_at_will(options, kind):
+    ends = []
+    for parts in ((12,), (5, 7)):
+        body = block(**options)
+        assert isinstance(body.executor, kind)
+        for part in parts:
+            body.advance(part, 1e-4, gravity=(9.81, 9.81))
+        ends.append(body.particles.arrays())
+    assert all(np.abs(ends[0][name] - field).max() <= 1e-12 for name, field in ends[1].items())
+
+
+def test_a_grid_with_too_few_copies_of_its_sums_is_refused():
+    with pytest.raises(ValueError, match="copies"):
+        block(threads=2, simd=False)
+
+
+def test_the_phases_of_a_step_stand_in_the_order_of_the_paper():
+    assert [(phase.over, phase.run.__name__) for phase in block(simd=False).phases()] == [
+        (SCATTER, "_scatter"), (NODES, "_integrate"), (POINTS, "_gather"),
+    ]  # fmt: skip
+
+
+def test_the_vector_unit_is_used_where_it_can_be_trusted_and_the_solver_says_why_not(monkeypatch):
+    monkeypatch.setattr(solver.selftest, "failure", lambda: "the trial ended with code -6")
+    body = block()
+    assert isinstance(body.executor, Threads)
+    assert body.simd_refused == "the trial ended with code -6"
+    monkeypatch.setattr(solver.selftest, "failure", lambda: "")
+    assert isinstance(block().executor, Simd)
+    assert isinstance(block(simd=False).executor, Threads)
+    assert isinstance(block(stress_update="first").executor, Threads)
+    with pytest.raises(ValueError, match="cannot run on lanes because its stress update is 'first'"):
+        block(stress_update="first", simd=True)
