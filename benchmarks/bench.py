@@ -126,12 +126,12 @@ def whole_run(film: bool, yardstick: Yardstick | None) -> dict:
 
 
 def alarms(points: int) -> dict:
-    """The guard that looks for wrongness, beside everything else that a step takes."""
+    """Cost of the alarms beside everything else that a step takes."""
     simulation = loaded(points, 1, 1)
     found = cost_of_guard(simulation)
     print(
-        f"{simulation.scene.points:9,d} points: the guard takes {found['guard']:.2%} of a run's stepping, the survey "
-        f"that it and the choice of the step look at {found['survey']:.2%}", flush=True,
+        f"{simulation.scene.points:9,d} points: the guard takes {found['guard']:.2%} of a run's stepping, the sums "
+        f"over the points that it and the choice of the step look at {found['point_sums']:.2%}", flush=True,
     )  # fmt: skip
     return row((simulation.scene.points, 1, 1), "guard", found["guard"] * found["seconds"] / found["steps"], None)
 

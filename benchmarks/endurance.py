@@ -11,7 +11,6 @@ Prints a table and writes outputs/endurance/endurance.csv. Cost: the given minut
 """
 
 import contextlib
-import csv
 import json
 import resource
 import sys
@@ -20,6 +19,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
+import pandas as pd
 from typer import Option
 
 from taichi_silo.cli import command_line
@@ -38,7 +38,7 @@ LOOKS = 10_000  # steps between two looks
 CYCLES = 3
 
 
-class Clock(Observer):
+class Deadline(Observer):
     """Stops a run after some seconds."""
 
     def __init__(self, seconds: float):
@@ -57,7 +57,7 @@ class Memory(Observer):
         self.steps, self.seen = steps, []
 
     def begin(self, simulation) -> None:
-        """Remember whose steps are counted."""
+        """Know whose steps are counted."""
         self.simulation = simulation
 
     def observe(self, record) -> None:
@@ -93,7 +93,7 @@ def slow(folder: Path, minutes: float) -> dict:
     """Measures of the paper's case at 0.1 mm/s."""
     memory = Memory()
     scene = Scene(flow=Flow(speed_m_per_s=1e-4), machine=Machine(threads=1))
-    found = stopped(scene, folder / "slow", memory, Clock(60.0 * minutes))
+    found = stopped(scene, folder / "slow", memory, Deadline(60.0 * minutes))
     simulation, certificate = memory.simulation, found["certificate"]
     points = simulation.points()
     return {
@@ -176,8 +176,8 @@ def endurance(
             for what, value in found.items():
                 print(f"{name:8s} {what:34s} {value if isinstance(value, bool | int) else f'{value:.4g}'}")
     output.mkdir(parents=True, exist_ok=True)
-    with open(output / "endurance.csv", "w", newline="", encoding="utf-8") as stream:
-        csv.writer(stream).writerows([("part", "measure", "value"), *rows])
+    table = pd.DataFrame(rows, columns=["part", "measure", "value"])
+    table.to_csv(output / "endurance.csv", index=False)
 
 
 if __name__ == "__main__":

@@ -7,14 +7,14 @@ import pandas as pd
 from matplotlib import rc_context
 
 from benchmarks.roofline import BYTES, FLOPS, NODE_BYTES
-from taichi_silo.show.figures.style import STYLE, new_figure
+from taichi_silo.show.figures.style import BLUE, REFERENCE, SKY, STYLE, VERMILLION, new_figure
 
 PHASES = ("particles to grid", "grid", "grid to particles", "law")  # the last: what it adds to the third
-COLORS = ("#0072B2", "#999999", "#56B4E9", "#D55E00")  # told apart by colour-blind eyes
+COLORS = (BLUE, REFERENCE, SKY, VERMILLION)
 
 
 def draw(table: pd.DataFrame, roof: dict[str, float], file: Path) -> None:
-    """Save it."""
+    """Draw and save the picture of a table, below the roof of this machine (`roofline.ceilings`)."""
     with rc_context(STYLE):
         figure = new_figure(13.0, 4.4)
         costs, ratios, roofline = figure.subplots(1, 3)
@@ -25,6 +25,7 @@ def draw(table: pd.DataFrame, roof: dict[str, float], file: Path) -> None:
 
 
 def _phases(axes, table: pd.DataFrame) -> None:
+    """Cost of each phase, stacked, for each size."""
     alone = table[(table.threads == 1) & table.phase.isin((*PHASES, "grid to particles, law"))]
     sizes = list(dict.fromkeys(zip(alone.points, alone.points_per_cell, strict=True)))
     bottom = np.zeros(len(sizes))
@@ -41,7 +42,7 @@ def _phases(axes, table: pd.DataFrame) -> None:
 
 
 def _cost(rows: pd.DataFrame, phase: str) -> float:
-    """Of a phase [ns]; of the law what it adds to the way from the grid."""
+    """Cost of a phase [ns a point and step]; of the law what it adds to the way from the grid."""
 
     def of(name: str) -> float:
         return rows[rows.phase == name].nanoseconds_per_particle_step.mean()
@@ -50,6 +51,7 @@ def _cost(rows: pd.DataFrame, phase: str) -> float:
 
 
 def _ratios(axes, table: pd.DataFrame) -> None:
+    """Speed of the step over that of the yardstick."""
     steps = table[(table.phase == "step") & table.yardstick_ratio.notna()]
     for (per_cell, threads), some in steps.groupby(["points_per_cell", "threads"]):
         axes.plot(
@@ -66,6 +68,7 @@ def _ratios(axes, table: pd.DataFrame) -> None:
 
 
 def _roofline(axes, table: pd.DataFrame, roof: dict[str, float]) -> None:
+    """Operations a second against operations a byte, below the limits of one core."""
     intensity = np.logspace(-1.5, 2, 100)
     for name, style in (("cache", "--"), ("memory", "-")):
         axes.plot(intensity, np.minimum(roof["arithmetic"], roof[name] * intensity) / 1e9, color="0.3", linestyle=style,

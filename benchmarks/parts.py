@@ -2,11 +2,10 @@
 
 A standard silo (dense sand, smooth and very rough walls, one point a cell, local law, whole) is run as it is and with
 one part put in or left out. Time is that of a second of flow, both in turns on the flowing sand, so that a smaller time
-step counts; forces are means over the last fifth of the displacement. Prints a table for the README and writes
+step counts; forces are means over the last fifth of the displacement. Prints a table in Markdown and writes
 outputs/bench/parts.csv. Cost: some minutes on one core.
 """
 
-import csv
 import statistics
 import tempfile
 import time
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import Annotated, NamedTuple
 from unittest.mock import patch
 
+import pandas as pd
 from typer import Option
 
 from taichi_silo.cli import command_line, model_silo
@@ -34,7 +34,7 @@ NEVER = 1e30  # an error that no step has
 
 
 class Trial(NamedTuple):
-    """One part, put in or left out."""
+    """One part of the method, put in or left out."""
 
     part: str
     tried: str
@@ -82,8 +82,8 @@ def standard(walls: str, cell_m: float, displacement_m: float) -> Scene:
     )  # fmt: skip
 
 
-class Run:
-    """A silo, filled and lowered.
+class MeasuredRun:
+    """A silo, filled and lowered, whose steps can then be timed.
 
     Attributes
     ----------
@@ -126,13 +126,13 @@ class Run:
         return (time.perf_counter() - begun) / (steps * dt)
 
 
-def slower(run: Run, usual: Run) -> float:
+def slower(run: MeasuredRun, usual: MeasuredRun) -> float:
     """Time of a second of flow over the usual one, less 1: median over rounds, measured in turns."""
     return statistics.median(run.seconds(SECONDS) / usual.seconds(SECONDS) for _ in range(ROUNDS)) - 1.0
 
 
 def row(walls: str, part: str, tried: str, change: float, forces=(0.0, 0.0, 0.0)) -> dict:
-    """Of the table, in percent."""
+    """A row of the table; changes are given as shares and stand there in percent."""
     values = (100.0 * value for value in (change, *forces))
     return dict(zip(COLUMNS, (walls, part, tried, *values), strict=True))
 
@@ -142,7 +142,7 @@ def measure(walls: str, cell_m: float, displacement_m: float) -> list[dict]:
     runtime.init()
     base = standard(walls, cell_m, displacement_m)
     with tempfile.TemporaryDirectory() as folder:
-        usual = Run(base, Path(folder) / "film.mp4")
+        usual = MeasuredRun(base, Path(folder) / "film.mp4")
     stepping = usual.simulation.stepping_seconds
     film = f"put in: {usual.film_s:.0f} s whatever the run, here of {stepping:.0f} s"
     rows = [
@@ -153,7 +153,7 @@ def measure(walls: str, cell_m: float, displacement_m: float) -> list[dict]:
         if walls not in trial.walls:
             continue
         with trial.otherwise():
-            run = Run(base.model_copy(update=trial.tables(base)))
+            run = MeasuredRun(base.model_copy(update=trial.tables(base)))
         changes = [own / other - 1.0 for own, other in zip(run.forces, usual.forces, strict=True)]
         rows.append(row(walls, trial.part, trial.tried, slower(run, usual), changes))
         print(".", end="", flush=True)
@@ -168,15 +168,12 @@ def parts(
     rows = [r for walls in ("smooth", "very-rough") for r in measure(walls, cell_size, displacement)]
     folder = Path("outputs") / "bench"
     folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / "parts.csv", "w", encoding="utf-8", newline="") as stream:
-        writer = csv.DictWriter(stream, COLUMNS)
-        writer.writeheader()
-        writer.writerows(rows)
+    pd.DataFrame(rows, columns=COLUMNS).to_csv(folder / "parts.csv", index=False)
     print(f"\n\n{markdown(rows)}\nwritten to {folder / 'parts.csv'}")
 
 
 def markdown(rows: list[dict]) -> str:
-    """The table of the README."""
+    """The table, as the documentation shows it."""
     lines = ["| walls | part | | time | P | T | N |", "|---|---|---|---|---|---|---|"]
     for r in rows:
         values = [r["time_percent"], *(r[f"{force}_percent"] for force in FORCES)]
