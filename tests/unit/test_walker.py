@@ -29,33 +29,26 @@ BETA, PHI_W = np.degrees(np.arctan(0.5)), np.degrees(np.arctan(0.4))
 CONE = WalkerHopper(2.0, 1.0, BETA, 10e3, PHI_W, 30e3, "filling", "round")
 
 
-def test_filling_of_a_cone_by_hand():
+def test_filling_of_a_cone_and_a_wedge_by_hand():
     # F = 1 - 0.2 / (1 + 0.5/0.4) = 1 - 0.2/2.25 = 0.9111111; n = 2 * 0.8 * 0.4 / 0.5 = 1.28
     # x = 1 m, y = 0.5: y^1.28 = exp(-1.28 * 0.69314718) = exp(-0.88722839) = 0.41179551;
     # sigma_v = 10*2/0.28 * (0.5 - 0.41179551) + 30 * 0.41179551 = 6.3003207 + 12.3538653 = 18.654186 kPa
     # p_n = 0.9111111 * 18.654186 = 16.996036 kPa, p_t = 0.4 p_n = 6.798414 kPa
-    assert CONE.transition_height_m == pytest.approx(2.0)
-    assert CONE.outlet_height_m == pytest.approx(1.0)
-    assert CONE.factor == pytest.approx(0.9111111, rel=1e-7)
-    assert CONE.exponent == pytest.approx(1.28)
+    assert (CONE.transition_height_m, CONE.outlet_height_m) == pytest.approx((2.0, 1.0))
+    assert (CONE.factor, CONE.exponent) == pytest.approx((0.9111111, 1.28), rel=1e-7)
     assert CONE.vertical_stress_Pa(1.0) == pytest.approx(18.654186e3, rel=1e-7)
     assert CONE.normal_stress_Pa(1.0) == pytest.approx(16.996036e3, rel=1e-7)
     assert CONE.shear_stress_Pa(1.0) == pytest.approx(6.798414e3, rel=1e-6)
     assert CONE.transition_normal_stress_Pa == pytest.approx(0.9111111 * 30e3, rel=1e-7)
     # frustum, per pi d: W = 10 * pi/3 * 1 m * (1 + 0.5 + 0.25) / (2 pi) = 2.9166667 kN/m; top 30 * 2/4 = 15 kN/m
-    assert CONE.weight_N_per_m == pytest.approx(10e3 * 1.75 / 6.0)
-    assert CONE.top_force_N_per_m == pytest.approx(15e3)
-
-
-def test_filling_of_a_wedge_by_hand():
-    # n = 1 * 0.8 * 0.4 / 0.5 = 0.64; y = 0.5: y^0.64 = exp(-0.44361420) = 0.64171295
+    assert (CONE.weight_N_per_m, CONE.top_force_N_per_m) == pytest.approx((10e3 * 1.75 / 6.0, 15e3))
+    # wedge: n = 1 * 0.8 * 0.4 / 0.5 = 0.64; y = 0.5: y^0.64 = exp(-0.44361420) = 0.64171295
     # sigma_v = 20/(-0.36) * (0.5 - 0.64171295) + 30 * 0.64171295 = 7.8729417 + 19.2513885 = 27.12433 kPa
     wedge = replace(CONE, section="plane")
     assert wedge.exponent == pytest.approx(0.64)
     assert wedge.vertical_stress_Pa(1.0) == pytest.approx(27.12433e3, rel=1e-6)
     # W = 10 * 1 m * (2 + 1)/2 = 15 kN/m, top 30 * 2 = 60 kN/m
-    assert wedge.weight_N_per_m == pytest.approx(15e3)
-    assert wedge.top_force_N_per_m == pytest.approx(60e3)
+    assert (wedge.weight_N_per_m, wedge.top_force_N_per_m) == pytest.approx((15e3, 60e3))
 
 
 def test_discharge_factor_by_hand():
@@ -63,10 +56,7 @@ def test_discharge_factor_by_hand():
     # F = (1 + 0.5 * cos 63.160209) / (1 - 0.5 * cos 93.160209) = (1 + 0.5*0.4514998) / (1 + 0.5*0.0551278)
     #   = 1.2257499 / 1.0275639 = 1.1928698
     assert discharge_factor(15.0, np.tan(np.radians(20.0)), 30.0) == pytest.approx(1.1928698, rel=1e-5)
-
-
-def test_rough_wall_counts_as_the_fills_own_friction():
-    # phi_w = phi_i = 30: eps = 120, F = (1 - 0.25) / (1 - 0.5 cos 150) = 0.75 / 1.4330127 = 0.5233728
+    # a rough wall counts as the fill: eps = 120, F = (1 - 0.25) / (1 - 0.5 cos 150) = 0.75 / 1.4330127 = 0.5233728
     assert discharge_factor(15.0, 2.0, 30.0) == pytest.approx(0.5233728, rel=1e-6)
 
 
@@ -133,12 +123,11 @@ def test_solution_is_that_of_the_slices_equation(hopper):
     assert found == pytest.approx(float(hopper.vertical_stress_Pa(ends[1])), rel=1e-6, abs=1e-3)
 
 
-def test_printed_exponent_of_the_eurocode_is_out_of_balance_for_a_wedge_only():
+@pytest.mark.parametrize(("section", "order", "gap"), [("round", 2, 0.0), ("plane", 1, 1.0)])
+def test_printed_exponent_of_the_eurocode_is_out_of_balance_for_a_wedge_only(section, order, gap):
     # n = S (F + F mu cot) - 2 against the equilibrium's - S
-    for section, order, gap in (("round", 2, 0.0), ("plane", 1, 1.0)):
-        hopper = replace(CONE, section=section)
-        printed = order * hopper.factor * (1.0 + 0.4 / 0.5) - 2.0
-        assert hopper.exponent - printed == pytest.approx(gap, abs=1e-12)
+    hopper = replace(CONE, section=section)
+    assert hopper.exponent - (order * hopper.factor * (1.0 + 0.4 / 0.5) - 2.0) == pytest.approx(gap, abs=1e-12)
 
 
 @pytest.mark.parametrize("section", ["plane", "round"])
@@ -190,17 +179,19 @@ def test_impossible_hoppers_are_refused(wrong):
         replace(CONE, **wrong)
 
 
-def test_discharge_needs_an_angle_that_can_yield():
-    with pytest.raises(ValueError, match="internal_friction_angle_deg"):
-        replace(CONE, state="discharge")
-    with pytest.raises(ValueError, match="internal_friction_angle_deg"):
-        replace(CONE, state="discharge", internal_friction_angle_deg=0.0)
-    with pytest.raises(ValueError, match="half_angle_deg"):
-        replace(CONE, state="discharge", internal_friction_angle_deg=36.0, half_angle_deg=80.0)
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({}, "internal_friction_angle_deg"), ({"internal_friction_angle_deg": 0.0}, "internal_friction_angle_deg"),
+        ({"internal_friction_angle_deg": 36.0, "half_angle_deg": 80.0}, "half_angle_deg"),
+    ],
+)  # fmt: skip
+def test_discharge_needs_an_angle_that_can_yield(wrong, words):
+    with pytest.raises(ValueError, match=words):
+        replace(CONE, state="discharge", **wrong)
 
 
-def test_heights_outside_the_hopper_are_refused():
+@pytest.mark.parametrize("height", [0.5, 2.1])
+def test_heights_outside_the_hopper_are_refused(height):
     with pytest.raises(ValueError, match="above the apex"):
-        CONE.vertical_stress_Pa(0.5)
-    with pytest.raises(ValueError, match="above the apex"):
-        CONE.vertical_stress_Pa(2.1)
+        CONE.vertical_stress_Pa(height)

@@ -54,22 +54,14 @@ def test_uniform_loosening_is_not_part_of_the_zone():
     assert zone.median_m == pytest.approx(0.015, abs=spacing)
 
 
-def test_no_zone_has_no_thickness():
+def test_no_zone_has_no_thickness_and_nothing_to_measure_is_nan():
     points, _ = lattice()
     noise = 0.002 * np.random.default_rng(0).standard_normal(len(points))
     zone = wall_zone_thickness_m(points, 0.65 + noise, 0.6, WIDTH)
     assert zone.median_m == zone.upper_quartile_m == 0.0
     assert not zone.contractant
-
-
-def test_nothing_to_measure_is_nan():
-    zone = wall_zone_thickness_m(np.empty((0, 2)), np.empty(0), np.empty(0), WIDTH)
-    assert np.isnan(zone.median_m)
+    assert np.isnan(wall_zone_thickness_m(np.empty((0, 2)), np.empty(0), np.empty(0), WIDTH).median_m)
     assert interior_zone_count(np.empty((0, 2)), np.empty(0), WIDTH).count == 0
-
-
-def test_unknown_wall_is_refused():
-    points, _ = lattice()
     with pytest.raises(ValueError, match="side"):
         wall_zone_thickness_m(points, np.ones(len(points)), 1.0, WIDTH, side="top")
 
@@ -80,20 +72,16 @@ def parabolic_zones(points, apexes, thickness=0.012, strength=0.15):
     return 0.62 + strength * sum(np.exp(-(((arch - apex) / (0.6 * thickness)) ** 2)) for apex in apexes)
 
 
-@pytest.mark.parametrize("apexes", [(0.20,), (0.10, 0.25), (0.10, 0.20, 0.36)])
-def test_zones_across_the_axis(apexes):
-    points, spacing = lattice(jitter=0.1)
+@pytest.mark.parametrize(
+    ("apexes", "lattice_of", "thickness"),
+    [((0.20,), (40, 100), 0.012), ((0.10, 0.20, 0.36), (40, 100), 0.012), ((0.12, 0.28), (16, 40), 0.025)],
+)
+def test_zones_across_the_axis(apexes, lattice_of, thickness):
+    points, spacing = lattice(*lattice_of, jitter=0.1)
     noise = 0.003 * np.random.default_rng(1).standard_normal(len(points))
-    zones = interior_zone_count(points, parabolic_zones(points, apexes) + noise, WIDTH)
+    zones = interior_zone_count(points, parabolic_zones(points, apexes, thickness) + noise, WIDTH)
     assert zones.count == len(apexes)
     np.testing.assert_allclose(zones.height_m, apexes, atol=spacing)
-
-
-def test_zones_on_a_coarse_lattice():
-    points, spacing = lattice(16, 40)
-    zones = interior_zone_count(points, parabolic_zones(points, (0.12, 0.28), thickness=0.025), WIDTH)
-    assert zones.count == 2
-    np.testing.assert_allclose(zones.height_m, (0.12, 0.28), atol=spacing)
 
 
 def test_wall_zones_and_noise_do_not_cross_the_axis():
