@@ -35,24 +35,21 @@ def test_each_field_is_a_number_for_each_point_within_its_range(name):
     assert scale.decades or (values >= scale.low - 1e-12).mean() > 0.98
 
 
-def test_friction_of_sand_at_rest_follows_from_its_pressure_ratio():
-    stress = -1e3 * np.array([[0.5, 1.0, 0.5, 0.0], [1.0, 0.5, 0.7, 0.0]])
-    assert of("mobilised_friction", stress=stress) == pytest.approx([np.degrees(np.arcsin(1.0 / 3.0))] * 2)
-
-
-def test_friction_takes_the_out_of_plane_stress_where_that_is_extreme():
-    stress = -1e3 * np.array([[1.0, 1.0, 3.0, 0.0], [1.0, 1.0, 1.0 / 3.0, 0.0], [1.0, 1.0, 1.0, 0.5]])
-    assert of("mobilised_friction", stress=stress) == pytest.approx([30.0] * 3)
-
-
-def test_sand_without_stress_has_no_friction_angle():
-    stress = -np.array([[1.0, 1.0, 1.0, 0.0], [50.0, 100.0, 50.0, 0.0]])
-    assert np.isnan(of("mobilised_friction", stress=stress)).tolist() == [True, False]
-
-
-def test_units_are_those_of_the_labels():
-    assert of("speed", velocity=np.array([[0.003, -0.004]])) == pytest.approx([5.0])  # mm/s
-    assert of("mean_stress", stress=-np.array([[1e3, 2e3, 3e3, 9e3]])) == pytest.approx([2.0])  # kPa
+@pytest.mark.parametrize(
+    ("name", "field", "value", "expected"),
+    [
+        ("mobilised_friction", "stress", [-500.0, -1000.0, -500.0, 0.0], np.degrees(np.arcsin(1.0 / 3.0))),  # at rest
+        ("mobilised_friction", "stress", [-1000.0, -500.0, -700.0, 0.0], np.degrees(np.arcsin(1.0 / 3.0))),
+        ("mobilised_friction", "stress", [-1e3, -1e3, -3e3, 0.0], 30.0),  # the out-of-plane stress is the largest
+        ("mobilised_friction", "stress", [-1e3, -1e3, -1e3 / 3.0, 0.0], 30.0),  # the smallest
+        ("mobilised_friction", "stress", [-1e3, -1e3, -1e3, -500.0], 30.0),  # neither
+        ("mobilised_friction", "stress", [-1.0, -1.0, -1.0, 0.0], np.nan),  # without stress
+        ("speed", "velocity", [0.003, -0.004], 5.0),  # mm/s
+        ("mean_stress", "stress", [-1e3, -2e3, -3e3, -9e3], 2.0),  # kPa
+    ],
+)
+def test_formulas_by_hand(name, field, value, expected):
+    assert of(name, **{field: np.array([value])}) == pytest.approx([expected], nan_ok=True)
 
 
 def test_a_point_keeps_its_layer_wherever_it_goes():
@@ -94,10 +91,7 @@ def test_speed_is_linear_in_plug_flow_and_logarithmic_where_sand_stands_still():
     funnel = FIELDS["speed"].scaled(SCENE, np.concatenate([np.full(50, 1e-3), np.full(50, 5.0)]))
     assert (funnel.low, funnel.high, funnel.decades) == (0.05, 5.0, True)
     assert funnel.share(np.array([0.0, 0.05, 0.5, 5.0, 9.0])) == pytest.approx([0.0, 0.0, 0.5, 1.0, 1.0])
-
-
-def test_a_given_range_is_kept_and_is_linear_if_it_begins_at_zero():
-    values = np.concatenate([np.full(50, 1e-3), np.full(50, 5.0)])
+    values = np.concatenate([np.full(50, 1e-3), np.full(50, 5.0)])  # a given range is kept; from 0 on it is linear
     assert not FIELDS["speed"].scaled(SCENE, values, (0.0, 3.0)).decades
     assert FIELDS["speed"].scaled(SCENE, values, (0.1, 3.0)).low == 0.1
 

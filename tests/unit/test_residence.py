@@ -70,27 +70,24 @@ def test_streamlines_that_converge_on_an_outlet():
     np.testing.assert_allclose(found.time_s[inside], exact[inside], rtol=0.02)
 
 
-def test_sand_that_stands_still_never_leaves():
+def test_sand_that_stands_still_never_leaves_and_points_that_are_not_finite_have_no_time():
     points, volume = fill()
     found = residence(points, np.zeros_like(points), volume, WIDTH, WIDTH * SPEED)
     assert found.never_share == 1.0
     assert np.isnan(found.over_plug).all() and np.isinf(found.first_from_surface)
-
-
-def test_points_that_are_not_finite_have_no_time():
-    points, volume = fill()
     points[3] = np.nan
     found = residence(points, down(np.full(len(points), SPEED)), volume, WIDTH, WIDTH * SPEED)
     assert np.isnan(found.time_s[3]) and np.isfinite(np.delete(found.time_s, 3)).all()
 
 
-def test_impossible_input_is_refused():
+@pytest.mark.parametrize(
+    ("words", "count", "outflow", "outlet"),
+    [("positive", 50, 0.0, None), ("outlet", 50, 1.0, (0.1, 0.3)), ("four", 2, 1.0, None)],
+)
+def test_impossible_input_is_refused(words, count, outflow, outlet):
     points, volume = fill(10)
-    for options in ({"outflow_m2_per_s": 0.0}, {"outflow_m2_per_s": 1.0, "outlet_m": (0.1, 0.3)}):
-        with pytest.raises(ValueError, match="positive|outlet"):
-            residence(points, 0 * points, volume, WIDTH, **options)
-    with pytest.raises(ValueError, match="four"):
-        residence(points[:2], 0 * points[:2], volume[:2], WIDTH, 1.0)
+    with pytest.raises(ValueError, match=words):
+        residence(points[:count], 0 * points[:count], volume[:count], WIDTH, outflow, outlet)
 
 
 @settings(deadline=None, max_examples=8)

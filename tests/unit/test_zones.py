@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from taichi_silo.analysis.measure.ridges import thin
-from taichi_silo.analysis.measure.zone import circle_curvature, parabola_curvature
+from taichi_silo.analysis.measure.zone import _side, circle_curvature, parabola_curvature
 from taichi_silo.analysis.measure.zones import shear_zones
 
 WIDTH, HEIGHT = 0.2, 0.5
@@ -57,19 +57,14 @@ def test_a_straight_band(columns, degrees, thickness):
 
 
 @pytest.mark.parametrize("columns", [20, 40, 80])
-def test_a_band_narrower_than_the_points_reads_one_to_two_spacings(columns):
+def test_a_band_narrower_than_the_points_reads_one_to_two_spacings_and_over_lengths_of_the_sand(columns):
     points, spacing = fill(columns)
-    zone = shear_zones(points, 1.0 * (np.abs(straight(points, 55.0)) < 0.6 * spacing), WIDTH).zones[0]
+    narrow = 1.0 * (np.abs(straight(points, 55.0)) < 0.6 * spacing)
+    zone = shear_zones(points, narrow, WIDTH, d50_m=5e-4, internal_length_m=1.5e-3).zones[0]
     assert spacing < zone.thickness_m.median < 2.0 * spacing
-
-
-def test_thickness_over_lengths_of_the_sand():
-    points, _ = fill()
-    found = shear_zones(points, bell(straight(points, 55.0), 0.03), WIDTH, d50_m=5e-4, internal_length_m=1.5e-3)
-    zone = found.zones[0]
     assert zone.thickness_over_d50 == pytest.approx(zone.thickness_m.median / 5e-4)
     assert zone.thickness_over_internal_length == pytest.approx(zone.thickness_m.median / 1.5e-3)
-    assert np.isnan(shear_zones(points, bell(straight(points, 55.0), 0.03), WIDTH).zones[0].thickness_over_d50)
+    assert np.isnan(shear_zones(points, narrow, WIDTH).zones[0].thickness_over_d50)
 
 
 @SPACINGS
@@ -113,17 +108,12 @@ def test_a_branching_zone(columns, thickness):
 
 
 @SPACINGS
-def test_crossing_zones(columns):
+def test_zones_that_cross_or_meet_at_a_wall(columns):
     points, spacing = fill(columns)
     crossing = np.maximum(bell(straight(points, 55.0), 0.025), bell(straight(points, -55.0), 0.025))
     found = shear_zones(points, crossing, WIDTH)
     assert (found.count, len(found.zones)) == (1, 4)
     assert found.branching_m == pytest.approx(np.array([[0.1, 0.25]]), abs=spacing)
-
-
-@SPACINGS
-def test_zones_that_meet_at_a_wall(columns):
-    points, spacing = fill(columns)
     found = shear_zones(points, bell(arms(points, np.array([0.0, 0.25]), [(0.2, 0.05), (0.2, 0.4)]), 0.025), WIDTH)
     assert len(found.zones) == 2
     assert found.wall_branching_m == pytest.approx(np.array([[0.0, 0.25]]), abs=spacing)
@@ -143,24 +133,27 @@ def test_two_zones_and_what_they_do_to_the_volume(columns):
     assert {zone.kind for zone in shear_zones(points, low, WIDTH, 0.0 * low).zones} == {"neutral"}
 
 
-def test_no_zone():
+@pytest.mark.parametrize(
+    "strain",
+    [
+        lambda x, y, noise: 0.1 + 0.01 * noise, lambda x, y, noise: 0.0 * x,
+        lambda x, y, noise: 0.1 + y,  # strain that grows evenly
+        lambda x, y, noise: bell(x, 0.02),  # along a wall: another measure's
+    ],
+)  # fmt: skip
+def test_no_zone(strain):
     points, _ = fill()
     noise = np.random.default_rng(0).standard_normal(len(points))
-    assert shear_zones(points, 0.1 + 0.01 * noise, WIDTH).count == 0
-    assert shear_zones(points, np.zeros(len(points)), WIDTH).count == 0
-    assert shear_zones(points, 0.1 + points[:, 1], WIDTH).count == 0  # strain that grows evenly
-    wall = bell(points[:, 0], 0.02)
-    assert shear_zones(points, wall, WIDTH).count == 0  # measured by another
+    assert shear_zones(points, strain(*points.T, noise), WIDTH).count == 0
 
 
-def test_impossible_input_is_refused():
-    points, _ = fill()
-    with pytest.raises(ValueError, match="width"):
-        shear_zones(points, points[:, 0], 0.0)
-    with pytest.raises(ValueError, match="25"):
-        shear_zones(points[:10], points[:10, 0], WIDTH)
-    with pytest.raises(ValueError, match="positions"):
-        shear_zones(points, points[1:, 0], WIDTH)
+@pytest.mark.parametrize(("words", "points", "strains", "width"), [
+    ("width", 800, 800, 0.0), ("25", 10, 10, WIDTH), ("positions", 800, 799, WIDTH),
+])  # fmt: skip
+def test_impossible_input_is_refused(words, points, strains, width):
+    place, _ = fill(20)
+    with pytest.raises(ValueError, match=words):
+        shear_zones(place[:points], place[:strains, 0], width)
 
 
 def test_curvatures_of_exact_lines():
@@ -196,8 +189,6 @@ def test_the_mirrored_field_has_the_mirrored_zone(degrees, thickness, height):
 
 
 def test_a_profile_that_is_nowhere_above_half_has_no_width():
-    from taichi_silo.analysis.measure.zone import _side
-
     distance = np.array([0.0, 1.0, 2.0])
     assert np.isnan(_side(np.array([-1.0, -2.0, -3.0]), distance))  # nothing was sheared: half of it is more than it
     assert np.isnan(_side(np.array([0.0, 0.0, 0.0]), distance))

@@ -5,14 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from taichi_silo.mpm import runtime
 from taichi_silo.mpm.filters import FILTERS
 from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.mpm.laws.stress_point import StressPoint
 from taichi_silo.mpm.shapes import SHAPES, ConvectedDomain
-from validation.stability import MODES, crossing, integration, limits, order, precision, ratcheting, rotation, walls
+from validation.stability import crossing, integration, limits, order, precision, ratcheting, rotation, walls
 from validation.stability.emptying import empty
-from validation.stability.measurement import Measurement
 from validation.stability.stretching import NEEDED, stretch_at_fracture
 
 LANES = False  # many kernels, each compiled once; see conftest.py
@@ -172,17 +170,3 @@ class TestOrder:
         errors = {n: order.ring(SHAPES["ugimp"](0.25), n) for n in (16, 32)}
         assert errors[32] < 0.1
         assert order.slope(errors) > 1.3
-
-
-def test_a_number_that_is_none_never_holds():
-    assert not Measurement("x", "y", math.nan, "-", "<=", 1.0).holds
-    assert not Measurement("x", "y", math.inf, "-", "<=", 1.0).holds
-    assert Measurement("x", "y", 1.0, "-", ">=", 1.0).holds
-
-
-def test_every_mode_of_the_map_can_be_found_by_its_name():
-    from importlib import import_module
-
-    for number, name in enumerate(MODES, start=1):
-        assert import_module(f"validation.stability.{name}").FAILURE_MODE.split()[0] == str(number)
-    runtime.init()

@@ -1,12 +1,18 @@
-"""The page of the stability map, drawn from made-up numbers."""
+"""The table, figures and page of the stability map, from made-up numbers."""
 
 import math
+import subprocess
+import sys
+from importlib import import_module
 from pathlib import Path
 
 import pandas as pd
+import pytest
 
+from validation.in_parallel import in_parallel
+from validation.stability import MODES
 from validation.stability.figures import matrix, number, order_figure, page, ratcheting_figure
-from validation.stability.measurement import measurements
+from validation.stability.measurement import Measurement, measurements
 
 
 def rows():
@@ -41,3 +47,27 @@ def test_the_page_counts_what_holds_and_shows_each_figure():
     assert "3 numbers" in words
     assert "1 hold, 2 break" in words
     assert "src='figures/crossing.png'" in words
+
+
+def test_a_number_that_is_none_never_holds():
+    assert not Measurement("x", "y", math.nan, "-", "<=", 1.0).holds
+    assert not Measurement("x", "y", math.inf, "-", "<=", 1.0).holds
+    assert Measurement("x", "y", 1.0, "-", ">=", 1.0).holds
+
+
+def test_every_mode_of_the_map_can_be_found_by_its_name():
+    for mode, name in enumerate(MODES, start=1):
+        assert import_module(f"validation.stability.{name}").FAILURE_MODE.split()[0] == str(mode)
+
+
+def test_parts_run_in_processes_and_one_that_fails_stops_no_other(capsys):
+    assert in_parallel(str.upper, {"good": ("done",), "bad": (1,)}, {"good": 1.0, "bad": 2.0}).keys() == {"bad"}
+    assert "DONE" in capsys.readouterr().out
+
+
+@pytest.mark.long
+def test_the_command_measures_a_mode_and_draws_the_map(tmp_path):
+    command = [sys.executable, "-m", "validation.stability", "--quick", "--mode", "integration", "--output", tmp_path]
+    subprocess.run(command, check=True, cwd=Path(__file__).parents[2])
+    assert len(pd.read_csv(tmp_path / "table.csv")) == 2
+    assert (tmp_path / "page.html").exists() and (tmp_path / "figures" / "integration.png").exists()

@@ -1,9 +1,15 @@
-"""The measure of a shear band, on bands that are known."""
+"""The measure of a shear band on bands that are known, and when and how sand can localise."""
+
+import math
 
 import numpy as np
 import pytest
 
+from taichi_silo.mpm.laws import Elastic, GudehusBauer
+from taichi_silo.mpm.laws.stress_point import StressPoint
 from validation.biaxial.band import shear_band
+from validation.biaxial.bifurcation import band_sizes, first_bifurcation
+from validation.biaxial.bounds import homogeneous
 
 SPACING = 1.0e-3
 
@@ -54,13 +60,9 @@ def test_homogeneous_and_weakly_varying_strain_is_no_band():
     place, strain, void_ratio = specimen(55.0, 7e-3, peak=0.0)
     assert not shear_band(place, strain, void_ratio, SPACING).found
     assert not shear_band(place, strain + 0.05 * place[:, 1] / 0.14, void_ratio, SPACING).found
-
-
-def test_a_band_that_has_not_dilated_to_0_70_has_no_loose_thickness():
     place, strain, void_ratio = specimen(55.0, 7e-3)
-    band = shear_band(place, strain, void_ratio - 0.2, SPACING)
-    assert band.found
-    assert band.loose_thickness_m.median == 0.0
+    band = shear_band(place, strain, void_ratio - 0.2, SPACING)  # a band that has not dilated to 0.70
+    assert band.found and band.loose_thickness_m.median == 0.0
 
 
 def test_stations_without_any_strain_say_nothing_and_a_spot_is_no_band():
@@ -68,3 +70,25 @@ def test_stations_without_any_strain_say_nothing_and_a_spot_is_no_band():
     spot = np.where(np.linalg.norm(place - [0.02, 0.07], axis=1) < 0.008, 0.5, 0.0)
     band = shear_band(place, spot, void_ratio, SPACING)
     assert not band.found or len(band.middles) < len(band.stations)
+
+
+@pytest.mark.parametrize(
+    ("void_ratio", "pressure", "angle", "percent", "band"),
+    [
+        pytest.param(0.55, 50e3, 57.6, 1.13, 70.0, marks=pytest.mark.long),
+        pytest.param(0.55, 200e3, 50.7, 1.96, 66.8, marks=pytest.mark.long),
+        pytest.param(0.55, 500e3, 46.1, 2.86, 64.5, marks=pytest.mark.long),
+        (0.75, 50e3, 34.5, 1.04, 58.5),
+        pytest.param(0.90, 50e3, 28.2, 1.06, 54.8, marks=pytest.mark.long),
+    ],
+)
+def test_first_bifurcation(void_ratio, pressure, angle, percent, band):
+    (strain, friction), inclination = first_bifurcation(homogeneous(GudehusBauer(), void_ratio, pressure))
+    assert friction == pytest.approx(angle, abs=0.1)
+    assert 100 * (1 - math.exp(-strain)) == pytest.approx(percent, abs=0.02)
+    assert inclination == pytest.approx(band, abs=0.5)
+
+
+def test_an_elastic_body_never_localises():
+    point = StressPoint(Elastic(1e7, 0.3), [-5e4, -2e5, -1e5, 0.0], 0.6)
+    assert band_sizes(point).max() < 1e-6
