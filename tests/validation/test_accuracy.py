@@ -13,8 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from taichi_silo.errors import BadInput
-from taichi_silo.scene.dotted_paths import changed, known, value
-from taichi_silo.scene.fidelity import fidelities, fidelity
+from taichi_silo.scene.fidelity import fidelities
 from taichi_silo.scene.scene import Scene
 from taichi_silo.utils.process_pool import Processes
 from validation.accuracy import limit, parameter_set, plan, table, varied_settings, workers
@@ -59,22 +58,10 @@ def made_up(factor: float = 1.0, cost: float = 1.0, zone: float = 0.02) -> dict:
     }  # fmt: skip
 
 
-# --- errors -----------------------------------------------------------------------------------------------------------
-
-
-def test_identical_runs_have_no_error():
+def test_errors_are_relative_differences():
     assert set(errors(made_up(), made_up()).values()) == {0.0}
-
-
-def test_forces_that_are_a_tenth_too_large_have_an_error_of_a_tenth_in_everything():
     assert all(math.isclose(error, 0.1, rel_tol=1e-12) for error in errors(made_up(1.1), made_up()).values())
-
-
-def test_a_force_that_is_missing_altogether_is_wrong_by_all_of_it():
     assert relative_difference(np.zeros(5), np.arange(5.0)) == 1.0
-
-
-def test_curves_of_different_lengths_are_not_compared():
     with pytest.raises(ValueError, match="cannot be compared"):
         relative_difference([1.0, 2.0], [1.0])
 
@@ -108,8 +95,6 @@ def test_means_over_the_displacement_lose_no_impulse():
     assert math.isclose((curves.N * seconds).sum(), whole[1] - whole[0], rel_tol=1e-12)
 
 
-# --- front ------------------------------------------------------------------------------------------------------------
-
 NUMBERS = st.floats(0.1, 100.0).map(lambda x: round(x, 1)) | st.just(math.nan)
 
 
@@ -125,19 +110,7 @@ def test_a_point_is_on_the_front_if_and_only_if_no_other_beats_it(pairs):
         assert on == (sound and not any(beaten(one, other) for other in pairs))
 
 
-# --- dials ------------------------------------------------------------------------------------------------------------
-
-
-def test_a_setting_changes_its_own_value_and_no_other():
-    scene = changed(Scene(), {"flow.speed_m_per_s": 0.005, "precision": "f32"})
-    assert value(scene, "flow.speed_m_per_s") == 0.005
-    assert scene == Scene(flow={"speed_m_per_s": 0.005})
-
-
-def test_what_the_scene_does_not_know_is_refused_and_not_listed():
-    assert not known("flow.colour") and not known("flow") and known("nudge")
-    with pytest.raises(BadInput, match=r"setting is flow\.colour"):
-        changed(Scene(), {"flow.colour": 1.0})
+def test_what_the_scene_does_not_know_is_left_out():
     unknown = VariedSetting(name="colour", settings=[{"flow.colour": 1.0}])
     shape = VariedSetting(name="shape", settings=[{"grid.shape": "cpdi"}])
     assert known_to_the_scene([unknown, shape]) == [shape]
@@ -172,9 +145,6 @@ def test_a_run_is_known_by_what_changes_its_result_and_not_by_the_machine():
     )
 
 
-# --- runs that are kept -----------------------------------------------------------------------------------------------
-
-
 def test_only_what_is_missing_or_broken_is_run_again(tmp_path, monkeypatch):
     planned = plan.runs(plan.chart_rows(TINY))
     keys = list(planned)
@@ -194,9 +164,6 @@ def test_only_what_is_missing_or_broken_is_run_again(tmp_path, monkeypatch):
         begun.clear()
         assert workers.run_missing(planned, dict.fromkeys(keys, ""), 1e-7, tmp_path, 1, lambda words: None) == {}
         assert set(begun) == expected
-
-
-# --- table, limit, named settings, figures ----------------------------------------------------------------------------
 
 
 def rows_of(program) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -257,15 +224,7 @@ def test_named_settings_are_the_cheapest_within_their_error_and_read_back(tmp_pa
     assert choose(rows, floor=0.05)["converged"] == chosen["standard"], "within the scatter all is the same"
 
 
-def test_every_fidelity_that_comes_along_makes_a_scene_and_others_are_refused():
-    assert list(fidelities()) == ["draft", "standard", "converged"]
-    points_of = [changed(Scene(), one.settings).points for one in fidelities().values()]
-    assert points_of == sorted(points_of)
-    assert changed(Scene(), fidelity("standard").settings) == Scene(), "the default"
-    with pytest.raises(BadInput, match="fidelity is perfect; it must be one of draft, standard, converged"):
-        fidelity("perfect")
-
-
+@pytest.mark.long
 def test_figures_are_drawn_for_every_dial_also_where_runs_failed(tmp_path):
     rows, floors = rows_of(SHORT)
     rough = rows[rows.walls == "very-rough"].copy()
@@ -277,9 +236,6 @@ def test_figures_are_drawn_for_every_dial_also_where_runs_failed(tmp_path):
     assert len(list(tmp_path.glob("*.png"))) == 3
 
 
-# --- the whole, coarse ------------------------------------------------------------------------------------------------
-
-
 def scenario():
     file = Path(__file__).parents[2] / "validation" / "accuracy" / "__main__.py"
     spec = importlib.util.spec_from_file_location("chart_scenario", file)
@@ -288,6 +244,7 @@ def scenario():
     return module
 
 
+@pytest.mark.long
 def test_a_coarse_chart_from_beginning_to_end_and_again_without_a_run(tmp_path, monkeypatch, capsys):
     script = scenario()
     monkeypatch.setattr(script, "SHORT", TINY)
