@@ -124,30 +124,47 @@ def tables_with(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
             continue
         if not known(path):
             raise BadInput(f"setting is {shown(path)}; a scene has no such value{hint(path)}")
-        *names, last = path.split(".")
-        table: Any = tables
-        for name in names:
-            table = _inside(table, name, path, make=value is not None)
-        if table is not None:
-            table[last] = value
+        put(tables, path, value)
     return tables
 
 
-def _inside(table: Any, name: str, path: str, make: bool) -> Any:
-    """What stands under a name of a table or a number of a list; if it is to be made, also where there was nothing."""
-    if table is None:
-        return None
-    if isinstance(table, list):
-        if int(name) > len(table):
-            raise BadInput(f"setting is {shown(path)}; {len(table)} are there, so the next has number {len(table)}")
-        if int(name) == len(table) and make:
-            table.append({})
-        return table[int(name)] if int(name) < len(table) else None
-    if table.get(name) is None and make:
-        table[name] = {}
-    if isinstance(table.get(name), tuple):
-        table[name] = list(table[name])
-    return table.get(name)
+def put(tables: dict[str, Any], path: str, value: Any) -> None:
+    """Set the value at a dotted path of tables; where it is None, tables that are not there are not made for it.
+
+    Raises
+    ------
+    BadInput
+        if the path leads through a value, or to no entry of a list.
+
+    """
+    *names, last = path.split(".")
+    table: Any = tables
+    for name in names:
+        if isinstance(table, list):
+            table = _entry(table, name, path, make=value is not None)
+        elif isinstance(table, dict):
+            if table.get(name) is None and value is not None:
+                table[name] = {}
+            elif isinstance(table.get(name), tuple):
+                table[name] = list(table[name])
+            table = table.get(name)
+        if table is None:
+            return
+        if not isinstance(table, dict | list):
+            raise BadInput(f"setting is {shown(path)}; {shown(name)} is a value, not a table")
+    if not isinstance(table, dict):
+        raise BadInput(f"setting is {shown(path)}; it must name a value of a table")
+    table[last] = value
+
+
+def _entry(entries: list[Any], name: str, path: str, make: bool) -> Any:
+    """An entry of a list by its number; the next one is made if it is wanted."""
+    number = int(name) if is_number(name) else len(entries) + 1
+    if number > len(entries):
+        raise BadInput(f"setting is {shown(path)}; {len(entries)} are there, so the next has number {len(entries)}")
+    if number == len(entries) and make:
+        entries.append({})
+    return entries[number] if number < len(entries) else None
 
 
 def value(scene: Any, path: str) -> Any:

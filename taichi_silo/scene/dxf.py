@@ -1,7 +1,9 @@
 """A silo from a DXF drawing: its largest closed line is the inside, closed lines within are bodies."""
 
 import itertools
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -67,7 +69,7 @@ def read_silo(file: Path, unit: str | None = None) -> Silo:
     return Silo.polygon(np.round(inside - origin, DIGITS), inserts=inserts)
 
 
-def _corners(entity, make_path, scale: float) -> np.ndarray:
+def _corners(entity: Any, make_path: Callable[[Any], Any], scale: float) -> np.ndarray:
     """Of a closed line, as far as they are not too many; none of one that is not closed, or has no places."""
     try:
         path = make_path(entity)

@@ -1,9 +1,11 @@
 """A body inside the sand."""
 
 import math
+from collections.abc import Iterable, Sequence
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from taichi_silo.scene import polygons
@@ -39,55 +41,56 @@ class Insert(Options):
         return self
 
     @classmethod
-    def polygon(cls, corners_m, friction_angle_deg: float | None = None) -> "Insert":
+    def polygon(cls, corners_m: Iterable[Sequence[float]], friction_angle_deg: float | None = None) -> "Insert":
         """Of any shape: corners (x, y) [m], in any sense."""
         corners = tuple((float(x), float(y)) for x, y in corners_m)
         return cls(kind="polygon", corners_m=corners, friction_angle_deg=friction_angle_deg)
 
     @property
+    def _corners(self) -> np.ndarray:
+        return np.array(self.corners_m)
+
+    @property
     def rise_m(self) -> float:
         """Height of the body."""
         if self.kind == "polygon":
-            return float(np.ptp(np.array(self.corners_m)[:, 1]))
-        if self.kind == "cylinder":
-            return self.width_m
-        return self.width_m if self.height_m is None else self.height_m
+            return float(np.ptp(self._corners[:, 1]))
+        return self.breadth_m if self.kind == "cylinder" or self.height_m is None else self.height_m
 
     @property
     def breadth_m(self) -> float:
         """Width of the body."""
-        return self.width_m if self.kind != "polygon" else float(np.ptp(np.array(self.corners_m)[:, 0]))
+        return self.width_m or float(np.ptp(self._corners[:, 0]))
 
     def centre_m(self, silo_width_m: float) -> float:
         """Where its middle stands."""
         if self.kind == "polygon":
-            x = np.array(self.corners_m)[:, 0]
-            return float(0.5 * (x.min() + x.max()))
+            return float(0.5 * (self._corners[:, 0].min() + self._corners[:, 0].max()))
         return 0.5 * silo_width_m if self.position_m is None else self.position_m
 
     def outline(self, silo_width_m: float, corners: int = 48) -> np.ndarray:
         """Corners (n, 2), anticlockwise [m]."""
         if self.kind == "polygon":
-            return polygons.polygon(self.corners_m, "insert")
-        x, low = self.centre_m(silo_width_m), self.bottom_m
+            return polygons.polygon(self.corners_m or (), "insert")
+        x, low = self.centre_m(silo_width_m), self.bottom_m or 0.0
         if self.kind == "roof":
-            half = 0.5 * self.width_m
+            half = 0.5 * self.breadth_m
             return np.array([[x - half, low], [x + half, low], [x, low + self.rise_m]])
         turn = 2.0 * np.pi * np.arange(corners) / corners
-        radius = 0.5 * self.width_m
+        radius = 0.5 * self.breadth_m
         return np.array([x, low + radius]) + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
 
     def area_m2(self) -> float:
         """Of its section."""
         if self.kind == "cylinder":
-            return 0.25 * math.pi * self.width_m**2
+            return 0.25 * math.pi * self.breadth_m**2
         return polygons.area(self.outline(0.0))
 
-    def contains(self, x, y, silo_width_m: float):
+    def contains(self, x: ArrayLike, y: ArrayLike, silo_width_m: float) -> np.ndarray:
         """Whether places (arrays) lie inside."""
         if self.kind == "cylinder":
-            right, up = np.asarray(x) - self.centre_m(silo_width_m), np.asarray(y) - self.bottom_m
-            radius = 0.5 * self.width_m
+            right, up = np.asarray(x) - self.centre_m(silo_width_m), np.asarray(y) - (self.bottom_m or 0.0)
+            radius = 0.5 * self.breadth_m
             return right**2 + (up - radius) ** 2 < radius**2
         return polygons.inside(x, y, self.outline(silo_width_m))
 

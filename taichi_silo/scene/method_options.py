@@ -1,6 +1,6 @@
 """Which variant of the material point method: what a user may choose in every scene."""
 
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
@@ -10,18 +10,25 @@ from taichi_silo.mpm.solver import STRESS_UPDATES
 from taichi_silo.mpm.velocity_transfer import TRANSFERS, Blend
 from taichi_silo.utils.schema import Options
 
-Shape = Literal[tuple(SHAPES)]
+if TYPE_CHECKING:  # for a type checker names, which the method's own lists hold, are text
+    Shape: TypeAlias = str
+    Transfer: TypeAlias = str
+    StressUpdate: TypeAlias = str
+    StressFilter: TypeAlias = str
+else:
+    Shape, Transfer, StressFilter = (Literal[tuple(names)] for names in (SHAPES, TRANSFERS, FILTERS))
+    StressUpdate = Literal[STRESS_UPDATES]
 
 
 class MethodOptions(Options):
     """Transfer, order of the step, filter and time step; the defaults are what the stability map recommends."""
 
-    transfer: Literal[tuple(TRANSFERS)] = Field("flip", description="how velocities go from grid to points")
+    transfer: Transfer = Field("flip", description="how velocities go from grid to points")
     pic_share: float = Field(0.05, ge=0, le=1, description="share of PIC in each step, with transfer blend")
-    stress_update: Literal[STRESS_UPDATES] = Field(
+    stress_update: StressUpdate = Field(
         "last", description="when stresses are updated; modified: last, from velocities sent to the nodes once more"
     )
-    stress_filter: Literal[tuple(FILTERS)] = Field(
+    stress_filter: StressFilter = Field(
         "none", description="filter of the stresses after each step; smoothing is what the paper's authors used"
     )
     time_step_s: float | None = Field(None, ge=1e-9, le=1, description="time step; from the sand's stiffness if absent")
@@ -42,11 +49,11 @@ class MethodOptions(Options):
             raise ValueError(f"cfl is {self.cfl}; it cannot be given together with a time step ({self.time_step_s} s)")
         return self
 
-    def transfer_of_points(self):
+    def transfer_of_points(self) -> Any:
         """Of `taichi_silo.mpm.velocity_transfer`."""
         return Blend(self.pic_share) if self.transfer == "blend" else TRANSFERS[self.transfer]()
 
-    def solver_options(self) -> dict:
+    def solver_options(self) -> dict[str, Any]:
         """What the solver is told."""
         return {
             "transfer": self.transfer_of_points(),
@@ -54,7 +61,7 @@ class MethodOptions(Options):
             "filtering": FILTERS[self.stress_filter],
         }
 
-    def time_step(self, found, safety: float) -> float:
+    def time_step(self, found: Any, safety: float) -> float:
         """The step [s] that a survey of the points allows, or the one that was given."""
         if self.time_step_s is not None:
             return self.time_step_s

@@ -2,6 +2,7 @@
 
 import numpy as np
 import shapely
+from numpy.typing import ArrayLike
 
 Corners = tuple[tuple[float, float], ...]
 MOST_CORNERS = 1000
@@ -22,17 +23,17 @@ def polygon(corners: Corners, name: str) -> np.ndarray:
     if not (np.abs(given) <= LARGEST).all():
         worst = given.flat[np.argmax(np.where(np.isnan(given), np.inf, np.abs(given)))]
         raise ValueError(f"the {name} has a corner at {worst:g} m; it must be between -{LARGEST:g} and {LARGEST:g} m")
-    corners = given[np.abs(given - np.roll(given, 1, axis=0)).max(axis=1) > SAME] if len(given) else given
-    if len(corners) < 3:
-        raise ValueError(f"the {name} has {len(corners)} corners; a polygon has at least 3")
-    shape = shapely.Polygon(corners)
+    apart = given[np.abs(given - np.roll(given, 1, axis=0)).max(axis=1) > SAME] if len(given) else given
+    if len(apart) < 3:
+        raise ValueError(f"the {name} has {len(apart)} corners; a polygon has at least 3")
+    shape = shapely.Polygon(apart)
     if not shape.is_valid or shape.area < SAME:
         why = shapely.is_valid_reason(shape).lower() if not shape.is_valid else "no area"
         raise ValueError(f"the {name} is no simple polygon ({why}); its sides must not touch or cross each other")
     return np.array(shapely.geometry.polygon.orient(shape).exterior.coords[:-1])
 
 
-def inside(x, y, corners: np.ndarray):
+def inside(x: ArrayLike, y: ArrayLike, corners: np.ndarray) -> np.ndarray:
     """Whether places (arrays) lie inside of a polygon."""
     return shapely.contains_xy(shapely.Polygon(corners), np.asarray(x, float), np.asarray(y, float))
 
@@ -80,7 +81,7 @@ def foot(chain: np.ndarray, wall_m: float) -> float:
     return float(chain[-1, 1])
 
 
-def place(chain: np.ndarray, y):
+def place(chain: np.ndarray, y: ArrayLike) -> np.ndarray:
     """X of a side at heights (array): above its ends that of the end."""
     y = np.asarray(y, float)
     nudge = np.arange(len(chain)) * 1e-12  # a level part is passed at once

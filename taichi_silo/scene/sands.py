@@ -2,6 +2,7 @@
 
 import tomllib
 from importlib.resources import files
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -20,7 +21,7 @@ def published() -> dict[str, dict]:
     return tomllib.loads((files("taichi_silo.scene") / "sands.toml").read_text())
 
 
-def sand(name_or_file: str, void_ratio: float, **more) -> Sand:
+def sand(name_or_file: str, void_ratio: float, **more: Any) -> Sand:
     """A named sand, or that of a TOML file with the same keys, at a void ratio.
 
     Raises

@@ -14,7 +14,7 @@ from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.neighbour_rows import MOST_PAIRS, most_pairs
-from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, WEIGHTS, self_weight
+from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, WEIGHTS, Weight, self_weight
 from taichi_silo.scene.method_options import MethodOptions, Shape
 from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.silo import Silo
@@ -145,7 +145,7 @@ class Averaging(Options):
                 f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one or larger cells"
             )
 
-    def kernel(self, sand: Sand, spacing_m: float):
+    def kernel(self, sand: Sand, spacing_m: float) -> tuple[Weight | None, str]:
         """Weight of the average, None where it would change nothing, and a sentence about it."""
         length = self.length_m(sand)
         if length == 0.0:
@@ -273,8 +273,8 @@ class Scene(Options):
         left, right = silo.outlet_m
         if right - left < 2.0 * h * (1.0 - 1e-9):
             raise ValueError(f"outlet width is {right - left:g} m; on cells of {h} m it must be at least {2 * h:g} m")
-        for edge in (left, right) if silo.outlet is not None else ():
-            if abs(edge / h - round(edge / h)) > 1e-6:
+        for edge in (left, right):
+            if silo.outlet is not None and abs(edge / h - round(edge / h)) > 1e-6:
                 raise ValueError(
                     f"outlet width is {silo.outlet.width_m} m; its edge at x = {edge:g} m must lie on the grid, whose "
                     f"lines are {h} m apart"

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
 from taichi_silo.errors import BadInput
 from taichi_silo.scene import sands
-from taichi_silo.scene.dotted_paths import is_number
+from taichi_silo.scene.dotted_paths import put
 from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.scene import Scene
 from taichi_silo.utils import bounded_reading
@@ -60,7 +61,7 @@ def read_tables(file: Path) -> dict:
     return bounded_reading.toml(file, "a scene")
 
 
-def _with_threads(machine, threads: int):
+def _with_threads(machine: Any, threads: int) -> Any:
     """The table of a machine with so many threads; what is no table stays, and is refused by its type."""
     return machine | {"threads": threads} if isinstance(machine, dict) else machine
 
@@ -104,40 +105,16 @@ def _with_constants(sand: dict) -> dict:
     )
 
 
-def _apply(tables: dict, change: str) -> None:
+def _apply(tables: dict[str, Any], change: str) -> None:
+    """Set the value of PATH=VALUE, which is written as in TOML; a word without quotes is a text."""
     path, equals, text = change.partition("=")
     names = [name.strip() for name in path.split(".")]
     if len(change) > LONGEST_CHANGE:
         raise BadInput(f"set is {shown(change)}; it has {len(change)} letters, at most {LONGEST_CHANGE} are allowed")
-    change = shown(change)
     if not equals or not all(names):
-        raise BadInput(f"set is {change}; it must be PATH=VALUE, such as flow.speed_m_per_s=0.005")
-    table = tables
-    for name in names[:-1]:
-        table = _step(table, name, change)
-    if not isinstance(table, dict):
-        raise BadInput(f"set is {change}; it must name a value of a table")
-    table[names[-1]] = _value(text.strip())
-
-
-def _step(table, name: str, change: str):
-    """The table, or the entry of a list of tables, of this name; a table is made where there is none."""
-    if isinstance(table, list):
-        if not is_number(name) or int(name) >= len(table):
-            raise BadInput(f"set is {change}; {shown(name)} must be a number from 0 to {len(table) - 1}")
-        return table[int(name)]
-    if not isinstance(table, dict):
-        raise BadInput(f"set is {change}; there is a value where {shown(name)} would need a table")
-    found = table.setdefault(name, {})
-    if not isinstance(found, (dict, list)):
-        raise BadInput(f"set is {change}; {shown(name)} is a value, not a table")
-    return found
-
-
-def _value(text: str):
-    """A value as TOML writes it; a word without quotes is a text."""
+        raise BadInput(f"set is {shown(change)}; it must be PATH=VALUE, such as flow.speed_m_per_s=0.005")
     try:
-        found = bounded_reading.parsed(f"value = {text}")
+        value = bounded_reading.parsed(f"value = {text.strip()}")
     except ValueError:
-        return text
-    return found["value"] if len(found) == 1 else text
+        value = {}
+    put(tables, ".".join(names), value["value"] if len(value) == 1 else text.strip())

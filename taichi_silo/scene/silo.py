@@ -5,14 +5,16 @@ A round silo is described by its section through the axis, which stands at half 
 """
 
 import math
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import shapely
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from taichi_silo.scene import polygons as polygons
+from taichi_silo.scene import polygons
 from taichi_silo.scene.inserts import Insert
 from taichi_silo.utils.schema import Options
 
@@ -74,7 +76,7 @@ class Silo(Options):
         return given
 
     @classmethod
-    def polygon(cls, outline_m, **more) -> "Silo":
+    def polygon(cls, outline_m: Iterable[Sequence[float]], **more: Any) -> "Silo":
         """Of any shape: corners (x, y) [m] of the space for sand, and what else a silo has (outlet, inserts, ...)."""
         return cls(outline_m=tuple((float(x), float(y)) for x, y in outline_m), **more)
 
@@ -82,11 +84,11 @@ class Silo(Options):
     def _fits(self):
         wide = self.width_m
         if self.outline_m is not None:
-            self._check_outline()
+            self._check_outline(self.outline_m)
         if self.outlet is not None and self.hopper is not None:
             raise ValueError("a silo has an outlet in its floor or a hopper, not both: a hopper ends in its own outlet")
         if self.outlet is not None:
-            self._check_outlet()
+            self._check_outlet(self.outlet)
         if self.hopper is not None:
             if not self.hopper.outlet_width_m < wide:
                 raise ValueError(
@@ -108,10 +110,10 @@ class Silo(Options):
             self._check_round()
         return self
 
-    def _check_outline(self) -> None:
+    def _check_outline(self, outline_m: polygons.Corners) -> None:
         if self.hopper is not None:
             raise ValueError("a silo has an outline or a hopper, not both: an outline has the hopper's walls in it")
-        left, right = polygons.sides(self.outline_m)
+        left, right = polygons.sides(outline_m)
         wide, high = max(left[:, 0].max(), right[:, 0].max()), left[-1, 1]
         if abs(wide - self.width_m) > polygons.SAME:
             raise ValueError(f"width is {self.width_m} m; that of the outline is {wide:g} m")
@@ -121,15 +123,15 @@ class Silo(Options):
         if self.section == "round" and not (len(left) == len(right) and np.allclose(mirrored, right, atol=1e-9)):
             raise ValueError("the outline of a round silo must be symmetric about its axis")
 
-    def _check_outlet(self) -> None:
+    def _check_outlet(self, outlet: Outlet) -> None:
         first, last = self.floor_m
-        b, (left, right) = self.outlet.width_m, self.outlet_m
+        b, (left, right) = outlet.width_m, self.outlet_m
         if not b < last - first:
             width = "the silo's width" if self.outline_m is None else "the floor's width"
             raise ValueError(f"outlet width is {b} m; it must be below {width} of {last - first:g} m")
         if left < first - polygons.SAME or right > last + polygons.SAME:
             raise ValueError(
-                f"outlet position is {self.outlet.position} m; in a floor from {first:g} to {last:g} m the middle of "
+                f"outlet position is {outlet.position} m; in a floor from {first:g} to {last:g} m the middle of "
                 f"{b} m must be between {first + 0.5 * b:g} and {last - 0.5 * b:g} m"
             )
 
@@ -187,7 +189,7 @@ class Silo(Options):
         return float(left[0, 0]), float(right[0, 0])
 
     @property
-    def _body(self):
+    def _body(self) -> shapely.Polygon:
         """Inside of the silo as a polygon."""
         left, right = self.sides
         return shapely.Polygon(np.concatenate([right, left[::-1]]))
@@ -219,12 +221,12 @@ class Silo(Options):
         tangent = math.tan(math.radians(self.hopper.half_angle_deg))
         return 0.5 * (self.width_m - self.hopper.outlet_width_m) / tangent
 
-    def between(self, y):
+    def between(self, y: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """X of the left and of the right wall at heights (array)."""
         left, right = self.sides
         return polygons.place(left, y), polygons.place(right, y)
 
-    def holds(self, x, y):
+    def holds(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Whether places (arrays) hold sand when the silo is full."""
         left, right = self.between(y)
         inside = (x > left) & (x < right) & (y > 0.0) & (y < self.height_m)
@@ -232,7 +234,7 @@ class Silo(Options):
             inside = inside & ~insert.contains(x, y, self.width_m)
         return inside
 
-    def lattice(self, spacing_m: float):
+    def lattice(self, spacing_m: float) -> tuple[np.ndarray, ...]:
         """x, y and area of the points that fill it, row after row from the floor.
 
         Rows fit between the walls: in a hopper points stand a little closer or farther apart than elsewhere.
@@ -243,7 +245,7 @@ class Silo(Options):
                  for first in range(0, count, at_once)]  # fmt: skip
         return tuple(np.concatenate(values) for values in zip(*parts, strict=True))
 
-    def _rows(self, numbers: np.ndarray, spacing_m: float):
+    def _rows(self, numbers: np.ndarray, spacing_m: float) -> tuple[np.ndarray, ...]:
         """The points of rows of these numbers."""
         y = (numbers + 0.5) * spacing_m
         left, right = self.between(y)

@@ -4,7 +4,12 @@ The left half is computed, up to the axis at half the width (`half.py`). Points 
 its mirror image, so that whoever looks sees the whole silo.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from taichi_silo.scene.scene import Scene
 
 FEWEST_CELLS = 4  # across the silo: less, and the half is a single column of cells
 # largest difference of P, T or N between half and whole, over the weight, with very rough walls: loose sand on 10 mm
@@ -22,7 +27,7 @@ SIGNS = {  # of the components of a point's fields in a mirror at constant x
 }
 
 
-def half_model(scene) -> tuple[bool, str]:
+def half_model(scene: "Scene") -> tuple[bool, str]:
     """Whether half of a scene is computed, and a sentence about it.
 
     Raises
@@ -59,7 +64,7 @@ def half_model(scene) -> tuple[bool, str]:
     return True, f"Half of the silo is computed, silo and sand being symmetric: {points}."
 
 
-def _obstacle(scene) -> str:
+def _obstacle(scene: "Scene") -> str:
     """Why a half, made by this method, would not be the half of the whole; empty if nothing stands against it."""
     silo = scene.silo
     if silo.section == "round":

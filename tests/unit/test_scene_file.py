@@ -146,7 +146,7 @@ def test_changes_reach_entries_of_lists(read):
         ("", ("flow.speed_m_per_s",), ["PATH=VALUE"]),
         ("", ("flow.speed=1",), ["flow.speed is not"]),
         ("", ("silo.width_m.x=1",), ["width_m is {'x': 1}", "number"]),
-        (ROOF, ("silo.inserts.3.width_m=0.04",), ["3", "0 to 0"]),
+        (ROOF, ("silo.inserts.3.width_m=0.04",), ["silo.inserts.3", "1 are there, so the next has number 1"]),
     ],
     ids=lambda value: "",
 )

@@ -189,6 +189,8 @@ def made(base: Scene, setting: dict, start: str = "") -> Scene:
             own = sands.sand(setting[SAND], _number(rest.get("sand.void_ratio", base.sand.void_ratio)),
                              law=base.sand.law, intergranular=base.sand.intergranular)  # fmt: skip
             base = base.model_copy(update={"sand": own})
+        if rest.get("walls.kind") == "very-rough":  # a friction angle that is there is for the smooth walls of others
+            rest["walls.friction_angle_deg"] = None
         return changed(base, rest)
     except (ValidationError, ValueError) as error:
         sentence = one_sentence(error) if isinstance(error, ValidationError) else str(error)
