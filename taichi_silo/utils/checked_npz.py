@@ -27,7 +27,7 @@ class Damaged(ValueError):
 
 def write(file: Path, tree: dict) -> None:
     """Write a tree of dictionaries; their leaves are arrays, or what JSON knows."""
-    arrays = {}
+    arrays: dict[str, np.ndarray] = {}
     content = json.dumps(_without_arrays(tree, "", arrays), default=_plain)
     header = {"format": FORMAT, "taichi_silo": version("taichi-silo"), "sha256": _checksum(content, arrays)}
     with open(file, "wb") as stream:

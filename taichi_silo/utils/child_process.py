@@ -12,7 +12,6 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 from collections.abc import Iterator
 
 GRACE_S = 20.0  # for a program that is stopped: it ends its interval and leaves its files
@@ -31,23 +30,26 @@ class Child:
     """
 
     def __init__(self, program: tuple[str, ...], line: str = "", environment: dict | None = None):
-        self.line, self.rest = line, []
+        self.line = line
+        self.rest: list[str] = []  # lines of its output that no one has understood
         self.errors = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115 - it fills no pipe
-        self.process = subprocess.Popen(
+        process = subprocess.Popen(
             [sys.executable, "-m", *program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.errors,
             text=True, encoding="utf-8", errors="replace", start_new_session=True,
             env=os.environ | {"PYTHONIOENCODING": "utf-8"} | (environment or {}),
         )  # fmt: skip
+        assert process.stdin and process.stdout
+        self.process, self.input, self.output = process, process.stdin, process.stdout
 
     def lines(self) -> Iterator[str]:
         """Give it its line, and hear what it says until it ends."""
         with contextlib.suppress(BrokenPipeError, ValueError):  # it ended at once, and says why; or is stopped already
-            self.process.stdin.write(self.line + "\n")
-            self.process.stdin.flush()
-        yield from self.process.stdout
+            self.input.write(self.line + "\n")
+            self.input.flush()
+        yield from self.output
         self.process.wait()
         self.interrupt()
-        self.process.stdout.close()
+        self.output.close()
 
     def keep(self, line: str) -> None:
         """Keep a line, the last of which says why it failed if nothing else does."""
@@ -56,7 +58,7 @@ class Child:
     def interrupt(self) -> None:
         """Ask it to stop."""
         with contextlib.suppress(BrokenPipeError):
-            self.process.stdin.close()
+            self.input.close()
 
     @property
     def crashed(self) -> bool:
@@ -75,20 +77,6 @@ class Child:
         self.errors.seek(0)
         lines = self.errors.read().strip().splitlines() or self.rest
         return lines[-1] if lines else f"ended with code {code}"
-
-
-def end(children: list[Child], seconds: float) -> None:
-    """Ask all to stop, and kill those that have not after so long."""
-    for child in children:
-        child.interrupt()
-    last = time.monotonic() + seconds
-    try:
-        for child in children:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                child.process.wait(max(0.0, last - time.monotonic()))
-    finally:  # also when asked once more
-        for child in children:
-            child.process.kill()
 
 
 def given() -> str:

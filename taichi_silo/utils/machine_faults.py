@@ -34,4 +34,4 @@ def of_machine(error: BaseException) -> tuple[str, str] | None:
         return None
     where = "a file" if error.filename is None else error.filename
     words = f"{where} cannot be written: {error.strerror or error}"
-    return words, REMEDIES.get(error.errno, "see to that")
+    return words, REMEDIES.get(error.errno or 0, "see to that")

@@ -24,7 +24,7 @@ def test_a_file_in_the_pages_is_possible(block, tmp_path):
     else:
         assert block.title == "sweep.toml"
         (tmp_path / "silo.toml").touch()
-        from taichi_silo.studies.sweep.file import read
+        from taichi_silo.studies.sweep.plan import read
 
         assert len(read(file).scenes()) > 1
 

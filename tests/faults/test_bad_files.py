@@ -15,7 +15,7 @@ from taichi_silo.scene import sands
 from taichi_silo.scene.dxf import read_silo
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.studies.compare.measured import read as read_measured
-from taichi_silo.studies.sweep.file import read as read_sweep
+from taichi_silo.studies.sweep.plan import read as read_sweep
 from tests.faults.bad import broken_link, circle, folder, holding, large, no_file, pipe, plug, refusal, zeros
 
 PACKAGE = Path(__file__).parents[2] / "taichi_silo"

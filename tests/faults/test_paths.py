@@ -13,8 +13,8 @@ from taichi_silo.errors import BadInput
 from taichi_silo.runs.run_folder import named, own
 from taichi_silo.runs.session import resume, run
 from taichi_silo.studies.sweep.plan import Sweep
+from taichi_silo.studies.sweep.study import Study
 from taichi_silo.studies.sweep.variations import variation
-from taichi_silo.studies.sweep.whole_sweep import Study
 from taichi_silo.utils.console import Console
 from tests.faults.bad import SCENE, command, contents, refusal, refused
 

@@ -13,10 +13,10 @@ from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import writable, write_parameters
 from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.show.figures.batch import COLORS, batch_figure
-from taichi_silo.studies.sweep import runs as batch_runs
 from taichi_silo.studies.sweep.runs import Run, simulate
 from taichi_silo.studies.sweep.table import leave, row
 from taichi_silo.studies.sweep.variations import bases, differences, product, scenes, variation
+from taichi_silo.utils.process_pool import ProcessPool
 
 
 def made(*texts: str, files: tuple = ()) -> dict[str, Scene]:
@@ -148,21 +148,17 @@ def test_a_run_is_there_if_its_scene_is_the_wanted_one_on_any_machine_and_it_fin
     Run(scene, tmp_path / "nothing").check()
 
 
-def test_whoever_wants_a_finished_run_again_gets_it_from_the_start(tmp_path, monkeypatch):
+def test_whoever_wants_a_finished_run_again_gets_it_from_the_start(tmp_path):
     """A run that is finished when it is attempted would be left alone."""
     seen = []
 
-    class Nobody:
-        def __init__(self, jobs, say):
-            pass
-
-        def run(self, tasks, heard, ended):
-            seen.extend(Run.of_order(task.line)[0] for task in tasks)
+    class Nobody(ProcessPool):
+        def run(self, tasks, console, ended):
+            seen.extend(Run.from_json(task.line)[0] for task in tasks)
             return {}
 
-    monkeypatch.setattr(batch_runs, "Processes", Nobody)
     run = left(tmp_path / "run", Scene(machine={"threads": 1}))
-    simulate({"run": run}, 1)
+    simulate({"run": run}, Nobody(1))
     assert seen == [run] and not run.finished and not (run.folder / "forces.csv").exists()
 
 

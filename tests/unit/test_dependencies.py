@@ -52,4 +52,4 @@ def test_the_program_starts_without_what_a_user_may_leave_out():
     need = {module for module, names in at_once.items() if packages(names) & optional}
     while more := {module for module, names in at_once.items() if names & need} - need:
         need |= more
-    assert need == {"taichi_silo.studies.sweep.work", "taichi_silo.studies.sweep.dask_runner"}
+    assert not need

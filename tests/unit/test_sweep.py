@@ -16,23 +16,20 @@ from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.scene.dotted_paths import changed, default, known, value, whole
 from taichi_silo.show.figures import plot_response
 from taichi_silo.show.figures.response import label, response_figure
-from taichi_silo.studies.sweep.attempt import LOCK, attempt
-from taichi_silo.studies.sweep.clusters import NEEDED, Local, Slurm
-from taichi_silo.studies.sweep.file import of_flags, of_tables, read, wanted
+from taichi_silo.studies.sweep.clusters import Local, Scheduler, Slurm
 from taichi_silo.studies.sweep.hypercube import Choices, LatinHypercube, Span
-from taichi_silo.studies.sweep.response import PRESSURE, Response
-from taichi_silo.studies.sweep.runs import Run
-from taichi_silo.studies.sweep.table import found, row
-from taichi_silo.studies.sweep.whole_sweep import TABLE, Study
+from taichi_silo.studies.sweep.plan import from_command_line, from_flags, from_tables, read
+from taichi_silo.studies.sweep.runs import LOCK, Run
+from taichi_silo.studies.sweep.study import TABLE, Study
+from taichi_silo.studies.sweep.table import PRESSURE, Response, found, row
 from taichi_silo.utils.console import Console
 from taichi_silo.utils.file_lock import alone
-from taichi_silo.utils.time_left import Tally
 
 NOTHING = {"fidelity": None, "film": None, "jobs": None, "scheduler": None, "slurm": False}
 
 
 def sweep(text: str, beside: Path = Path()):
-    return of_tables(tomllib.loads(text), beside)
+    return from_tables(tomllib.loads(text), beside)
 
 
 def scenes(text: str, beside: Path = Path()) -> dict[str, Scene]:
@@ -106,12 +103,17 @@ def test_a_scene_and_a_sand_are_found_beside_the_sweeps_file(tmp_path):
 
 
 def test_flags_stand_for_a_file():
-    plan = wanted(None, [], ["filling.kind=rain,layers"], NOTHING | {"fidelity": "draft", "film": True, "jobs": 1})
+    plan = from_command_line(
+        None, [], ["filling.kind=rain,layers"], NOTHING | {"fidelity": "draft", "film": True, "jobs": 1}
+    )
     assert list(plan.scenes()) == ["filling-rain", "filling-layers"]
     assert plan.film and plan.cluster == Local(jobs=1)
     assert {scene.flow.speed_m_per_s for scene in plan.scenes().values()} == {0.02}
-    assert wanted(None, [], ["sand=hostun"], NOTHING | {"slurm": True}).cluster == Slurm()
-    assert wanted(None, [], ["sand=hostun"], NOTHING | {"scheduler": "tcp://a:1"}).cluster.address == "tcp://a:1"
+    assert from_command_line(None, [], ["sand=hostun"], NOTHING | {"slurm": True}).cluster == Slurm()
+    assert (
+        from_command_line(None, [], ["sand=hostun"], NOTHING | {"scheduler": "tcp://a:1"}).cluster.address
+        == "tcp://a:1"
+    )
 
 
 @pytest.mark.parametrize(
@@ -166,7 +168,7 @@ def test_flags_that_do_not_go_together_are_refused(tmp_path):
         (tmp_path / "no.toml", [], {}, "no.toml cannot be read as a sweep"),
     ):
         with pytest.raises(BadInput, match=sentence):
-            wanted(file, [], texts, NOTHING | flags)
+            from_command_line(file, [], texts, NOTHING | flags)
 
 
 # --- the latin hypercube ----------------------------------------------------------------------------------------------
@@ -231,7 +233,7 @@ def left(run: Run, pressure: float | None) -> None:
 
 
 def study(folder: Path, *texts: str, overwrite: bool = False, **more) -> Study:
-    return Study(of_flags([], list(texts)).model_copy(update=more), folder, Console(quiet=True), overwrite)
+    return Study(from_flags([], list(texts)).model_copy(update=more), folder, Console(quiet=True), overwrite)
 
 
 def test_what_is_there_is_kept_drawn_and_in_the_table_without_a_cluster(tmp_path):
@@ -256,18 +258,18 @@ def test_a_run_that_another_attempt_has_finished_by_now_is_left_alone(tmp_path):
     run = Run(Scene(machine={"threads": 1}), tmp_path / "run")
     left(run, 1e3)
     before = {file: file.stat().st_mtime_ns for file in run.folder.iterdir()}
-    attempt(run)
+    run.attempt()
     assert {file: file.stat().st_mtime_ns for file in run.folder.iterdir()} == before
 
 
 def test_two_processes_do_not_attempt_a_run_at_once(tmp_path, monkeypatch):
     run = Run(Scene(machine={"threads": 1}), tmp_path / "run")
     left(run, 1e3)
-    monkeypatch.setattr("taichi_silo.studies.sweep.attempt.WAIT_S", 0.3)
+    monkeypatch.setattr("taichi_silo.studies.sweep.runs.WAIT_S", 0.3)
     with alone(run.folder / LOCK, 0.0, ""), pytest.raises(BadInput, match="is being written by another process"):
-        attempt(run)
+        run.attempt()
     assert not (run.folder / LOCK).exists()
-    attempt(run)
+    run.attempt()
 
 
 def test_a_lock_file_that_a_killed_process_left_is_no_obstacle(tmp_path):
@@ -307,12 +309,11 @@ def test_a_response_that_the_table_does_not_hold_is_refused(tmp_path):
     study(tmp_path, "filling.kind=rain,layers", response=Response(x="filling.kind", colour="flow_pattern"))
 
 
-def test_a_sweep_without_its_libraries_says_what_is_missing(monkeypatch):
+def test_a_sweep_on_a_cluster_needs_dask_and_one_on_this_machine_does_not(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(BadInput, match="needs taichi-silo.cluster"):
-        Local().check()
-    assert "taichi-silo[cluster]" in NEEDED
-    monkeypatch.undo()
+        Scheduler(address="tcp://a:1").check()
+    Local().check()
     with pytest.raises(BadInput, match="jobs is 9999; this machine has 1 to"):
         Local(jobs=9999).check()
 
@@ -329,16 +330,16 @@ def test_a_job_of_slurm_asks_for_what_the_file_says(tmp_path):
         job_extra = ["--exclusive"]
         prologue = ["module load python"]
     """).cluster
-    with cluster.prepared(tmp_path) as slurm:
+    with cluster.cluster(tmp_path) as slurm:
         script = slurm.job_script()
     for line in ("-p short", "-A sand", "--cpus-per-task=8", "--mem=23G", "-t 02:30:00", "--exclusive"):
         assert f"#SBATCH {line}" in script, script
     assert "module load python\n" in script
     assert f"{sys.executable} -m distributed.cli.dask_worker" in script
-    for word in ("--nthreads 8 ", "--nanny", "--preload taichi_silo.studies.sweep.ignore_interrupts", "--no-dashboard"):
+    for word in ("--nthreads 8 ", "--nanny", "--no-dashboard"):
         assert word in script, script
     assert cluster.with_jobs(20).jobs == 3 and cluster.with_jobs(20).at_once == 24
-    with Slurm().prepared(tmp_path) as slurm:
+    with Slurm().cluster(tmp_path) as slurm:
         assert "#SBATCH --mem=30G" in slurm.job_script(), "2 GB a core"
 
 
@@ -390,21 +391,3 @@ def test_every_column_has_a_label_with_its_unit():
     assert label("stagnant_area_share") == "share of sand that stands still (-)"
     assert label("largest_wall_friction_angle_deg") == "largest wall friction angle (°)"
     assert set(found({})) < set(row("a", Run(Scene(), Path("nothing")), []))
-
-
-# --- time left --------------------------------------------------------------------------------------------------------
-
-
-def test_time_left_follows_the_pace_and_the_longest_task(monkeypatch):
-    now = [100.0]
-    monkeypatch.setattr("taichi_silo.utils.time_left.time.monotonic", lambda: now[0])
-    tally = Tally({"long": 60.0, "short": 20.0, "other": 20.0}, jobs=2)
-    assert tally.left_s == 60.0, "before anything is known, no less than the longest"
-    now[0] += 20.0
-    assert tally.advance("short", 1.0) == pytest.approx(0.2)
-    tally.advance("long", 20.0 / 60.0)
-    assert tally.left_s == pytest.approx(40.0), "of the longest; all together would take 30 s"
-    assert tally.advance("long", 0.0) == pytest.approx(0.2), "begun again"
-    for name in ("long", "other"):
-        tally.advance(name, 1.0)
-    assert tally.left_s == 0.0

@@ -55,12 +55,12 @@ def sweep(
     """
     from taichi_silo.errors import RunFailed
     from taichi_silo.runs.run_folder import named
-    from taichi_silo.studies.sweep.file import wanted
-    from taichi_silo.studies.sweep.whole_sweep import Study
+    from taichi_silo.studies.sweep.plan import from_command_line
+    from taichi_silo.studies.sweep.study import Study
 
     console = Console(quiet, json)
     flags = {"fidelity": fidelity, "film": film, "jobs": jobs, "scheduler": scheduler, "slurm": slurm}
-    plan = wanted(file, scene or [], vary or [], flags)
+    plan = from_command_line(file, scene or [], vary or [], flags)
     if not estimate:
         plan.cluster.check()
     study = Study(plan, output or Path("outputs") / (named(file) if file else "sweep"), console, overwrite)

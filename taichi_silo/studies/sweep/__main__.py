@@ -1,10 +1,9 @@
-"""One run of a batch, as a program: it reads scene, folder and film from its input and says which part is done."""
+"""One run of a sweep, as a program: it reads scene, folder and film from its input and says which part is done."""
 
 import sys
 
 from taichi_silo.errors import BadInput, RunFailed
 from taichi_silo.runs.observers import Observer
-from taichi_silo.studies.sweep.attempt import attempt
 from taichi_silo.studies.sweep.runs import Run
 from taichi_silo.utils.child_process import SAID_NO, STOPPED, given
 from taichi_silo.utils.machine_faults import of_machine
@@ -32,9 +31,9 @@ class Part(Observer):
 
 def main() -> None:
     """Simulate; a run that fails says so in one sentence."""
-    run, steps = Run.of_order(given())
+    run, steps = Run.from_json(given())
     try:
-        attempt(run, (Part(steps),) if steps else ())
+        run.attempt((Part(steps),) if steps else ())
     except (BadInput, RunFailed) as error:
         print(error, file=sys.stderr)
         sys.exit(SAID_NO)

@@ -1,9 +1,9 @@
 """Where the runs of a sweep are done: on the cores of this machine, at a scheduler's workers, or in jobs of Slurm."""
 
 import contextlib
-import logging
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Literal
 
@@ -11,16 +11,69 @@ from pydantic import Field
 
 from taichi_silo.errors import BadInput
 from taichi_silo.scene.scene import cores
+from taichi_silo.utils.process_pool import ProcessPool, Task, run_task, stop_tasks
 from taichi_silo.utils.schema import Options
 
 LOST_S = 120  # within which a worker that died must be back; on a busy machine its start takes a while
 ANSWER_S = 20  # within which a scheduler must answer
-WORKER = "taichi_silo.studies.sweep.ignore_interrupts"  # what each worker of ours imports at its start
-NEEDED = "a sweep needs taichi-silo[cluster], which brings dask.distributed: pip install 'taichi-silo[cluster]'"
+NEEDED = (
+    "a sweep on a cluster needs taichi-silo[cluster], which brings dask.distributed: pip install 'taichi-silo[cluster]'"
+)
+
+
+class DaskPool(ProcessPool):
+    """Tasks at the workers of dask; one whose worker dies is begun again as often as the scheduler allows.
+
+    Parameters
+    ----------
+    client : of `distributed`.
+    jobs : tasks at a time.
+    retries : how often a worker begins a task again whose process crashed.
+
+    """
+
+    def __init__(self, client, jobs: int, retries: int):
+        super().__init__(jobs, retries)
+        self.client = client
+
+    @contextlib.contextmanager
+    def _workers(self, heard: Callable[[str, float], None]) -> Iterator[Callable[[Task], Future]]:
+        """A function that submits a task; `heard` hears what workers say, as events of a topic of this pool."""
+        self.client.subscribe_topic(self.key, lambda event: heard(*event[1]))
+        executor = self.client.get_executor(pure=False)
+        try:
+            yield lambda task: executor.submit(at_worker, task, self.key, self.retries, priority=task.seconds)
+        finally:
+            with contextlib.suppress(Exception):  # a scheduler that is gone
+                self.client.unsubscribe_topic(self.key)
+
+    def _stop(self, kill: bool = False) -> int:
+        """Ask all tasks to stop, or kill them; returns how many there still are."""
+        try:
+            return sum(self.client.run(stop_tasks, self.key, kill, on_error="ignore").values())
+        except Exception:  # noqa: BLE001 - workers that are gone have stopped
+            return 0
+
+    def _failure(self, future: Future) -> str:
+        """Why a task failed; empty if it did not."""
+        from distributed import KilledWorker
+
+        error = None if future.cancelled() else future.exception()
+        if isinstance(error, KilledWorker):
+            return f"{error.allowed_failures + 1} workers died while they ran it"
+        return super()._failure(future)
+
+
+def at_worker(task: Task, pool: str, retries: int) -> str:
+    """Run a task in a process of its own beside a worker; its parts that are done go to the topic `pool`."""
+    from distributed import get_worker
+
+    worker = get_worker()
+    return run_task(task, pool, retries, lambda *said: worker.log_event(pool, said))
 
 
 class Local(Options):
-    """Workers on this machine, one a core, that nobody can reach from outside of it."""
+    """Processes on this machine, one a core."""
 
     kind: Literal["local"] = "local"
     jobs: int | None = Field(None, ge=1, description="runs at a time; all cores if absent")
@@ -35,20 +88,14 @@ class Local(Options):
         return self.model_copy(update={"jobs": jobs})
 
     def check(self) -> None:
-        """Refuse more workers than cores, and a machine without dask.distributed."""
-        need_distributed()
+        """Refuse more runs at a time than cores."""
         if self.at_once > cores():
             raise BadInput(f"jobs is {self.jobs}; this machine has 1 to {cores()} cores")
 
-    def make(self, folder: Path, runs: int):
-        """Begin the workers, of which no more are needed than there are runs."""
-        from distributed import LocalCluster
-
-        return LocalCluster(
-            n_workers=min(self.at_once, runs), threads_per_worker=1, processes=True, host="127.0.0.1", memory_limit=0,
-            dashboard_address=None, scheduler_kwargs={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
-            silence_logs=logging.CRITICAL, preload=[WORKER],
-        )  # fmt: skip
+    @contextlib.contextmanager
+    def pool(self, folder: Path, runs: int, retries: int) -> Iterator[ProcessPool]:
+        """What does the runs."""
+        yield ProcessPool(self.at_once, retries)
 
 
 class Slurm(Options):
@@ -76,17 +123,20 @@ class Slurm(Options):
 
     def check(self) -> None:
         """Refuse a machine without dask or Slurm."""
-        need_distributed()
+        need_dask()
         if shutil.which("sbatch") is None:
             raise BadInput("cluster is slurm; it must be another kind on this machine, which has no sbatch")
 
-    def make(self, folder: Path, runs: int):
-        """Submit the jobs, of which no more are needed than the runs fill, and others for those that end before."""
-        cluster, jobs = self.prepared(folder), min(self.jobs, -(-runs // self.cores))
-        cluster.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
-        return cluster
+    @contextlib.contextmanager
+    def pool(self, folder: Path, runs: int, retries: int) -> Iterator[ProcessPool]:
+        """What does the runs: jobs, of which no more are needed than the runs fill; others follow those that end."""
+        jobs = min(self.jobs, -(-runs // self.cores))
+        with dask_settings(retries), self.cluster(folder) as cluster:
+            cluster.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
+            with cluster.get_client() as client:
+                yield DaskPool(client, self.at_once, retries)
 
-    def prepared(self, folder: Path):
+    def cluster(self, folder: Path):
         """The cluster, before any job; what the jobs say goes to `folder`/slurm.
 
         A job is one worker, a thread of which waits for each run: only of such jobs it is noticed that they ended.
@@ -99,8 +149,7 @@ class Slurm(Options):
             cores=self.cores, processes=1, memory=self.memory or f"{2 * self.cores}GB", queue=self.queue,
             walltime=self.walltime, account=self.account, interface=self.interface,
             job_extra_directives=list(self.job_extra), job_script_prologue=list(self.prologue),
-            job_name="taichi-silo", log_directory=str(folder / "slurm"),
-            worker_extra_args=["--preload", WORKER, "--no-dashboard"],
+            job_name="taichi-silo", log_directory=str(folder / "slurm"), worker_extra_args=["--no-dashboard"],
             scheduler_options={"dashboard": False, "dashboard_address": ":0"},
         )  # fmt: skip
 
@@ -122,13 +171,33 @@ class Scheduler(Options):
 
     def check(self) -> None:
         """Refuse a machine without dask.distributed."""
-        need_distributed()
+        need_dask()
+
+    @contextlib.contextmanager
+    def pool(self, folder: Path, runs: int, retries: int) -> Iterator[ProcessPool]:
+        """What does the runs.
+
+        Raises
+        ------
+        BadInput
+            if the scheduler does not answer.
+
+        """
+        from distributed import Client
+
+        with dask_settings(retries):
+            try:
+                client = Client(self.address, timeout=ANSWER_S, set_as_default=False)
+            except (OSError, ValueError) as error:
+                raise BadInput(f"scheduler is {self.address}; no scheduler of dask answers there") from error
+            with client:
+                yield DaskPool(client, max(sum(client.ncores().values()), 1), retries)
 
 
 Cluster = Local | Slurm | Scheduler
 
 
-def need_distributed() -> None:
+def need_dask() -> None:
     """Refuse a machine without dask.distributed."""
     try:
         import distributed  # noqa: F401
@@ -136,32 +205,12 @@ def need_distributed() -> None:
         raise BadInput(NEEDED) from error
 
 
-@contextlib.contextmanager
-def client_of(cluster: Cluster, folder: Path, runs: int, retries: int) -> Iterator:
-    """A client of the workers, that are gone afterwards if they were made for it.
-
-    Raises
-    ------
-    BadInput
-        if a scheduler does not answer.
-
-    """
+def dask_settings(retries: int):
+    """A context in which a run survives the deaths of `retries` workers, and none waits behind another one."""
     import dask
-    from distributed import Client
 
-    settings = {
-        "distributed.scheduler.allowed-failures": retries,  # deaths of workers that a run survives
-        "distributed.scheduler.worker-saturation": 1.0,  # no run waits behind another one
+    return dask.config.set({
+        "distributed.scheduler.allowed-failures": retries,
+        "distributed.scheduler.worker-saturation": 1.0,
         "distributed.deploy.lost-worker-timeout": LOST_S,
-        "distributed.admin.system-monitor.gil.enabled": False,
-    }
-    with dask.config.set(settings), contextlib.ExitStack() as stack:
-        if isinstance(cluster, Scheduler):
-            try:
-                client = stack.enter_context(Client(cluster.address, timeout=ANSWER_S, set_as_default=False))
-            except (OSError, ValueError) as error:
-                raise BadInput(f"scheduler is {cluster.address}; no scheduler of dask answers there") from error
-        else:
-            workers = stack.enter_context(cluster.make(folder, runs))
-            client = stack.enter_context(Client(workers, set_as_default=False))
-        yield client
+    })  # fmt: skip

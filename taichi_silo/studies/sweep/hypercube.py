@@ -2,17 +2,18 @@
 
 import math
 from decimal import Decimal
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 from scipy.stats import qmc
 
-from taichi_silo.studies.sweep.checked import checked
+from taichi_silo.errors import BadInput
 from taichi_silo.studies.sweep.variations import MOST_RUNS
-from taichi_silo.utils.messages import shown
-from taichi_silo.utils.schema import Options
+from taichi_silo.utils.messages import near, shown
+from taichi_silo.utils.schema import Options, one_sentence
 
+Kind = TypeVar("Kind", bound=Options)
 DIGITS = 6  # of values without a step, as many as the table shows
 
 
@@ -88,7 +89,7 @@ class LatinHypercube(Options):
 def _range(path: str, given) -> Span | Choices:
     """Of [low, high], a list of words, or a table."""
     if isinstance(given, dict):
-        return checked(Choices if "choices" in given else Span, given, f"{path}.")
+        return checked(Choices, given, f"{path}.") if "choices" in given else checked(Span, given, f"{path}.")
     numbers = isinstance(given, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in given)
     if numbers and len(given) == 2:
         return checked(Span, {"low": given[0], "high": given[1]}, f"{path}.")
@@ -96,3 +97,28 @@ def _range(path: str, given) -> Span | Choices:
         return checked(Choices, {"choices": given}, f"{path}.")
     right = "[low, high], a list of words, or a table of low, high or choices"
     raise ValueError(f"{shown(path)} is {shown(given)}; it must be {right}")
+
+
+def checked(kind: type[Kind], given: dict, before: str = "") -> Kind:
+    """Of what a file holds under the dotted name `before`.
+
+    Raises
+    ------
+    BadInput
+        if a name is unknown, with the one that was perhaps meant, or a value is not possible.
+
+    """
+    for name in given:
+        if name not in kind.model_fields:
+            meant = near(name, kind.model_fields, 0.5)
+            words = f"did you mean {before}{meant}?" if meant else f"there are {', '.join(kind.model_fields)}"
+            raise BadInput(f"{before}{shown(name)} is not a parameter of a sweep; {words}")
+    try:
+        return kind.model_validate(given)
+    except ValidationError as error:
+        raise BadInput(f"{before}{one_sentence(error)}" if _of_name(error) else one_sentence(error)) from error
+
+
+def _of_name(error: ValidationError) -> bool:
+    """Whether the sentence begins with the name of what is wrong."""
+    return error.errors()[0]["type"] != "value_error"

@@ -1,8 +1,10 @@
-"""The runs of a batch: which are there, what the others cost, and each in a process of its own."""
+"""The runs of a sweep: which are there, what the others cost, and each in a process of its own."""
 
 import json
 import os
+import platform
 import statistics
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,13 +12,20 @@ from pathlib import Path
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.cost_estimate import START_S, Cost, at_pace, rehearse
 from taichi_silo.runs.run_folder import MADE, claim, finished, parameters, program
+from taichi_silo.runs.session import resume
+from taichi_silo.runs.session import run as from_the_start
 from taichi_silo.scene import memory_need
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.simulation.simulation import Simulation
-from taichi_silo.utils.process_pool import Processes, Task
+from taichi_silo.utils.console import Console
+from taichi_silo.utils.file_lock import alone
+from taichi_silo.utils.process_pool import ASKED_EVERY_S, ProcessPool, Task
 
 PROGRAM = ("taichi_silo.studies.sweep",)  # that makes one run
+LOCK = ".running"  # in the folder of a run
+WAIT_S = 600.0  # for the process of an earlier attempt, whose worker is gone, to put its files in order
+SEEN_S = 60.0  # after which a file system shows what another machine has written
 
 
 @dataclass(frozen=True)
@@ -57,20 +66,56 @@ class Run:
         if (self.folder / MADE).exists() and self._other():
             raise BadInput(f"output {self.folder} holds another scene's run; give another folder, or --overwrite it")
 
-    def order(self, steps: int = 0) -> str:
-        """JSON line that the program `taichi_silo.studies.sweep` reads: this run, and the number of steps expected."""
+    def attempt(self, extra: tuple = ()) -> None:
+        """Do what is left: nothing if another attempt has finished it by now, the rest if one has begun it, or all.
+
+        This is the one place that decides about what an earlier attempt left. No two processes attempt a run at once.
+
+        Parameters
+        ----------
+        extra : further observers.
+
+        Raises
+        ------
+        BadInput
+            if the folder cannot be written, or another process does not let go of it.
+        RunFailed, Stopped
+            as `session.run`.
+
+        """
+        if not self.folder.parent.is_dir():
+            here = f"output {self.folder.parent} is not there on {platform.node()}"
+            raise BadInput(f"{here}; it must be on a file system that all workers share")
+        self.folder.mkdir(exist_ok=True)
+        with alone(self.folder / LOCK, WAIT_S, f"output {self.folder} is being written by another process"):
+            if not self.finished and not self._went_on(extra):
+                from_the_start(self.scene, self.folder, overwrite=True, film=self.film, extra=extra)
+
+    def to_json(self, steps: int = 0) -> str:
+        """The line that the program `taichi_silo.studies.sweep` reads: this run, and the number of steps expected."""
         scene, folder = self.scene.model_dump(mode="json"), os.fspath(self.folder)
         return json.dumps({"scene": scene, "folder": folder, "film": self.film, "steps": steps})
 
     @classmethod
-    def of_order(cls, line: str) -> tuple["Run", int]:
-        """What it was given."""
+    def from_json(cls, line: str) -> tuple["Run", int]:
+        """The run, and the number of steps expected."""
         given = json.loads(line)
         return cls(Scene.model_validate(given["scene"]), Path(given["folder"]), given["film"]), given["steps"]
 
     def _other(self) -> bool:
+        """Whether the folder holds the run of another scene; the machine does not count."""
         tables = [parameters(scene) for scene in (read_scene(self.folder / MADE, threads=1), self.scene)]
         return tables[0] | {"machine": None} != tables[1] | {"machine": None}
+
+    def _went_on(self, extra: tuple) -> bool:
+        """Go on from a checkpoint of this run; False if there is none of use."""
+        if not self.begun:
+            return False
+        try:
+            resume(self.folder, threads=self.scene.machine.threads, film=self.film, extra=extra)
+        except BadInput:  # none, damaged, of another version, or without the film
+            return False
+        return True
 
 
 def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
@@ -109,17 +154,20 @@ def _formulas(scene: Scene) -> tuple:
 
 
 def simulate(
-    runs: dict[str, Run], jobs: int, say=print, ended: Callable[[str, str], None] = lambda name, trouble: None,
+    runs: dict[str, Run],
+    pool: ProcessPool | int,
+    console: Console = Console(),  # noqa: B008 - it is frozen
+    ended: Callable[[str, str], None] = lambda name, failure: None,
     expected: dict[str, Cost] | None = None,
-) -> dict[str, str]:  # fmt: skip
+) -> dict[str, str]:
     """Run all, each in a process of its own: from the start what is finished, and what was left from where it was.
 
     Parameters
     ----------
     runs : by their names.
-    jobs : at a time.
-    say : hears how far they are, in sentences.
-    ended : hears the name of each that has ended, and its trouble, a sentence, or nothing.
+    pool : that does them, or how many at a time on this machine.
+    console : where to say how far they are.
+    ended : hears the name of each that has ended, and why it failed, a sentence, or nothing.
     expected : their costs, if they are known: the longest is begun first.
 
     Returns
@@ -127,25 +175,33 @@ def simulate(
     The sentences of those that failed, by their names.
 
     """
-    tasks = []
+    tasks, unseen = [], []
     for name, run in runs.items():
         if run.finished:  # what is there is done, for whoever attempts it
             claim(run.folder, overwrite=True)
+        run.folder.parent.mkdir(parents=True, exist_ok=True)
         cost = (expected or {}).get(name)
         seconds = cost.core_seconds + START_S if cost else 1.0
-        tasks.append(Task(name, PROGRAM, run.order(cost.steps if cost else 0), seconds=seconds))
+        tasks.append(Task(name, PROGRAM, run.to_json(cost.steps if cost else 0), seconds=seconds))
 
-    def over(task: Task, trouble: str) -> str:
-        ended(task.name, trouble)
-        seconds = runs[task.name].summary.get("cost", {}).get("seconds", 0.0)
-        return trouble or f"{seconds:.3g} core-seconds"
+    def over(name: str, failure: str) -> str:
+        if not failure and not runs[name].finished:
+            unseen.append(name)
+            return "its files are not here yet"
+        ended(name, failure)
+        return failure or f"{runs[name].summary.get('cost', {}).get('seconds', 0.0):.3g} core-s"
 
-    return Processes(jobs, say).run(tasks, lambda task, line: part(line), over)
+    failures = (ProcessPool(pool) if isinstance(pool, int) else pool).run(tasks, console, over)
+    for name in unseen:
+        if failure := _seen(runs[name]):
+            failures[name] = failure
+        ended(name, failure)
+    return failures
 
 
-def part(line: str) -> float | None:
-    """Of a run that is done, as its process says it; None of other lines."""
-    try:
-        return float(line)
-    except ValueError:
-        return None
+def _seen(run: Run) -> str:
+    """Wait until this machine sees a run that its worker has finished; returns why it does not, or nothing."""
+    end = time.monotonic() + SEEN_S
+    while not run.finished and time.monotonic() < end:
+        time.sleep(ASKED_EVERY_S)
+    return "" if run.finished else f"its worker finished it, but {run.folder} is not shared with this machine"

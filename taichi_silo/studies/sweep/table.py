@@ -1,17 +1,22 @@
-"""A batch as a table: one row a run, with what was varied and what was found."""
+"""A sweep as a table, one row a run, with what was varied and what was found; and what of it is drawn."""
 
 from collections.abc import Iterable
 from pathlib import Path
 
 import pandas as pd
 
+from taichi_silo.errors import BadInput
 from taichi_silo.studies.sweep.runs import Run
 from taichi_silo.studies.sweep.variations import used
 from taichi_silo.utils import atomic_write
+from taichi_silo.utils.messages import near, shown
+from taichi_silo.utils.schema import Options
 
 FORCES = {"P": ("bottom_N_per_m", "least", "min"), "T": ("shear_N_per_m", "largest", "max"),
           "N": ("normal_N_per_m", "largest", "max")}  # fmt: skip
 ANGLE = "wall_friction_angle_deg"
+PRESSURE = "largest_wall_normal_stress_pressure_cell_Pa"
+NO_NUMBERS = ("flow_pattern",)
 
 
 def row(name: str, run: Run, paths: list[str], failure: str = "") -> dict:
@@ -76,3 +81,43 @@ def leave(file: Path, rows: Iterable[dict]) -> pd.DataFrame:
     with atomic_write.written(file) as passing:
         table.to_csv(passing, index=False, float_format="%.6g")
     return table
+
+
+class Response(Options):
+    """Columns of the sweep's table.
+
+    Attributes
+    ----------
+    x : what varied, first in the figure; what varies first if absent.
+    y : what was found.
+    colour : what tells the points apart, varied or found; another that varied if absent.
+
+    """
+
+    x: str | None = None
+    y: str = PRESSURE
+    colour: str | None = None
+
+    def check(self, columns: list[str]) -> None:
+        """Refuse what the table of these varied columns does not hold.
+
+        Raises
+        ------
+        BadInput
+            with the name that was perhaps meant.
+
+        """
+        numbers = [name for name in found({}) if name not in NO_NUMBERS]
+        _one_of("response.y", self.y, numbers)
+        if self.x is not None:
+            _one_of("response.x", self.x, columns)
+        if self.colour is not None:
+            _one_of("response.colour", self.colour, [*columns, *found({})])
+
+
+def _one_of(name: str, value: str, known: Iterable[str]) -> None:
+    known = list(known)
+    if value not in known:
+        meant = near(value, known, 0.4)
+        right = f"did you mean {meant}?" if meant else f"it must be one of {', '.join(known)}"
+        raise BadInput(f"{name} is {shown(value)}; {right}")

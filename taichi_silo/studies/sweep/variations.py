@@ -162,8 +162,8 @@ def differences(found: dict[str, Scene], varied: list[str]) -> list[str]:
     """Dotted paths that varied or in which the scenes differ, each once: the columns of the table."""
     flat = [_flat(parameters(scene)) for scene in found.values()]
     paths = dict.fromkeys(path for tables in flat for path in tables)
-    asked = dict.fromkeys(path if path != SAND else "sand.name" for path in varied)
-    asked = [path for path in asked if not any(inner.startswith(f"{path}.") for inner in paths)]  # no whole tables
+    named = dict.fromkeys(path if path != SAND else "sand.name" for path in varied)
+    asked = [path for path in named if not any(inner.startswith(f"{path}.") for inner in paths)]  # no whole tables
     others = [path for path in paths if path not in asked]
     return asked + [path for path in others if len({str(tables.get(path)) for tables in flat}) > 1]
 
@@ -219,7 +219,8 @@ def _name(setting: dict) -> str:
 
 
 def _flat(tables: dict, before: str = "") -> dict:
-    found = {}
+    """Values by their dotted paths, but for the number of threads."""
+    found: dict[str, object] = {}
     for name, inner in tables.items():
         if isinstance(inner, tuple | list) and inner and isinstance(inner[0], dict):
             inner = dict(enumerate(inner))

@@ -7,19 +7,16 @@ from taichi_silo.runs.cost_estimate import START_S, Cost
 from taichi_silo.runs.run_folder import claim, no_link, own, writable
 from taichi_silo.show.figures import plot_batch, plot_response
 from taichi_silo.studies.sweep import table
-from taichi_silo.studies.sweep.clusters import client_of
 from taichi_silo.studies.sweep.plan import Sweep
-from taichi_silo.studies.sweep.progress import Told
-from taichi_silo.studies.sweep.runs import Run, costs
+from taichi_silo.studies.sweep.runs import Run, costs, simulate
 from taichi_silo.studies.sweep.variations import SAND, differences, used
 from taichi_silo.utils.bounded_reading import place
 from taichi_silo.utils.console import Console
 from taichi_silo.utils.file_lock import alone
-from taichi_silo.utils.time_left import Tally
+from taichi_silo.utils.process_pool import STOPPED
 
 TABLE = "sweep.csv"
 FIGURES = ("figures/forces.png", "figures/response.png")
-STOPPED = "stopped"
 LOCK = ".sweep"  # in the output: one sweep at a time
 
 
@@ -130,19 +127,14 @@ class Study:
         }  # fmt: skip
 
     def _do(self, expected: dict[str, Cost]) -> None:
-        from taichi_silo.studies.sweep.dask_runner import Crew  # which needs dask.distributed
+        """Simulate what is missing; the table follows each run that ends."""
 
-        seconds = {name: expected[name].core_seconds + START_S for name in self.missing}
-        with client_of(self.sweep.cluster, self.folder, len(self.missing), self.sweep.retries) as client:
-            jobs = self.sweep.cluster.at_once or max(sum(client.ncores().values()), 1)
-            with Told(self.console.terminal, Tally(seconds, jobs)) as told:
+        def ended(name: str, failure: str) -> None:
+            self._ended(name, failure)
+            self._leave()
 
-                def ended(name: str, trouble: str) -> None:
-                    self._ended(name, trouble)
-                    self._leave()
-                    told.ended(name, trouble or f"{self.rows[name]['core_seconds'] or 0.0:.3g} core-s")
-
-                Crew(client, self.sweep.retries, told.heard).run(self.missing, expected, ended)
+        with self.sweep.cluster.pool(self.folder, len(self.missing), self.sweep.retries) as pool:
+            simulate(self.missing, pool, self.console, ended, expected)
 
     def _ended(self, name: str, trouble: str = "") -> None:
         if trouble:
