@@ -28,6 +28,6 @@ def run_all(runs: dict[str, Run], output: Path) -> None:
     for name in runs.keys() - missing.keys():
         print(f"{name:20s} kept", flush=True)
     writable(output)
-    failures = simulate(missing, cores(), lambda words: print(words, flush=True))
+    failures = simulate(missing, cores())
     for name, why in failures.items():
         raise RunFailed(f"in {len(failures)} of {len(runs)} runs, the first of them '{name}': {why}")

@@ -61,10 +61,10 @@ class Progress:
     @property
     def left_s(self) -> float:
         """Seconds until the end: at the pace so far, and no less than the longest task still needs at that pace."""
-        rest = [(1.0 - part) * self.seconds[name] for name, part in self.parts.items()]
+        rest = [(1.0 - part) * self.seconds[name] for name, part in self.parts.items()] or [0.0]
         passed, done = time.monotonic() - self.begun, self.whole - sum(rest)
         if done <= 0.0:
-            return max(sum(rest) / self.jobs, max(rest, default=0.0))
+            return max(sum(rest) / self.jobs, max(rest))
         slowness = min(self.jobs, len(rest)) * passed / done  # of a core, against what was expected
         return max(passed / done * sum(rest), slowness * max(rest))
 

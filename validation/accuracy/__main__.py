@@ -27,6 +27,7 @@ from taichi_silo.runs.run_folder import writable
 from taichi_silo.scene.scene import cores
 from taichi_silo.show.figures.style import STYLE
 from taichi_silo.utils import atomic_write
+from taichi_silo.utils.console import Console
 from validation.accuracy.fidelities import choose, write
 from validation.accuracy.figures import error_figure, speed_figure
 from validation.accuracy.limit import limit, sentence
@@ -70,7 +71,7 @@ def chart(
     writable(folder)
     for key in costs:
         (folder / f"{key}.json").unlink(missing_ok=True)
-    lost = run_missing(wanted, names, seconds, folder, jobs, lambda words: print(words, flush=True))
+    lost = run_missing(wanted, names, seconds, folder, jobs, Console())
     leave(planned, numbers(wanted, folder), output)
     for key, why in lost.items():
         raise RunFailed(f"in {len(lost)} of {len(costs)} runs, the first being '{names[key]}': {why}")

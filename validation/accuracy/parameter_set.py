@@ -1,7 +1,7 @@
 """A parameter set of the chart: a scene, run in a process of its own, and the few numbers that are kept of it.
 
-Run as a program, it reads a parameter set from its input, says what it expects to cost, and leaves a file; the
-environment variable TAICHI_SILO_PRECISION says in which precision.
+Run as a program, it reads a parameter set from its input and leaves a file; the environment variable
+TAICHI_SILO_PRECISION says in which precision.
 """
 
 import dataclasses
@@ -92,8 +92,8 @@ class Records(Observer):
         return simulation.points() | {"displacement_m": simulation.displacement, "time_s": simulation.time}
 
 
-def simulate(one: ParameterSet, told=lambda cost: None) -> dict:
-    """Run a parameter set and return what is kept of it; Taichi has been started. `told` hears the expected cost first.
+def simulate(one: ParameterSet) -> dict:
+    """Run a parameter set and return what is kept of it; Taichi has been started.
 
     Returns
     -------
@@ -108,7 +108,6 @@ def simulate(one: ParameterSet, told=lambda cost: None) -> dict:
         shift = NUDGE * simulation.spacing * np.random.default_rng(one.nudge).standard_normal(arrays["position"].shape)
         simulation.particles.load(arrays | {"position": arrays["position"] + shift})
     expected = predict(simulation)
-    told(expected)
     begun = time.process_time()
     records, profile = Records(), WallProfile()
     observers = (records, profile, Guard())
@@ -164,14 +163,9 @@ def zone_thickness_m(filled: dict, now: dict, scene: Scene) -> float:
 
 
 def leave(one: ParameterSet, folder: Path) -> None:
-    """Run a parameter set and leave its file, whole or not at all; the expected cost goes to the output first."""
-    file = file_of(one, folder)
-
-    def told(cost) -> None:
-        print(json.dumps({"steps": cost.steps, "core_seconds": cost.core_seconds}), flush=True)
-
-    found = simulate(one, told)
-    with atomic_write.written(file) as passing:  # null for what is not finite
+    """Run a parameter set and leave its file, whole or not at all."""
+    found = simulate(one)
+    with atomic_write.written(file_of(one, folder)) as passing:  # null for what is not finite
         passing.write_bytes(to_json(found, inf_nan_mode="null", fallback=lambda value: value.tolist()))
 
 

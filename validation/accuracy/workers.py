@@ -1,13 +1,12 @@
 """Runs the parameter sets of a chart, each in a process of its own, and says how far it is."""
 
-import json
 import statistics
-from collections.abc import Callable
 from pathlib import Path
 
 from taichi_silo.runs.cost_estimate import START_S, at_pace, rehearse
 from taichi_silo.simulation.simulation import Simulation
-from taichi_silo.utils.process_pool import Processes, Task
+from taichi_silo.utils.console import Console
+from taichi_silo.utils.process_pool import ProcessPool, Task
 from validation.accuracy.parameter_set import ParameterSet, kept
 
 
@@ -28,7 +27,7 @@ def run_missing(
     seconds_per_point_and_step: float,
     folder: Path,
     jobs: int,
-    say: Callable[[str], None] = print,
+    console: Console,
 ) -> dict[str, str]:
     """Run the parameter sets that have no file in a folder yet, the longest first; the folder is there.
 
@@ -38,7 +37,7 @@ def run_missing(
     seconds_per_point_and_step : of one core, from which the expected costs follow.
     folder : of the files, one a run, so that a restart goes on where it was.
     jobs : processes at a time.
-    say : hears a sentence when a run starts, with its expected cost, and when it ends, with the time left.
+    console : where to say how far they are.
 
     Returns
     -------
@@ -61,19 +60,9 @@ def run_missing(
                 )
             )
 
-    def heard(task: Task, line: str) -> float | None:
-        """Hand on what a run expects to cost."""
-        try:
-            cost = json.loads(line)
-            words = f"{cost['steps']:,} steps, about {cost['core_seconds']:.3g} core-seconds"
-        except (ValueError, KeyError, TypeError):
-            return None
-        say(f"         {task.name:60s} {words}")
-        return 0.0
+    def ended(name: str, failure: str) -> str:
+        run = kept(wanted[keys[name]], folder)
+        return failure or f"{run['cost']['core_seconds']:.3g} core-seconds"
 
-    def ended(task: Task, trouble: str) -> str:
-        run = kept(wanted[keys[task.name]], folder)
-        return trouble or f"{run['cost']['core_seconds']:.3g} core-seconds"
-
-    troubles = Processes(jobs, say).run(tasks, heard, ended)
-    return {keys[name]: why for name, why in troubles.items()}
+    failures = ProcessPool(jobs).run(tasks, console, ended)
+    return {keys[name]: why for name, why in failures.items()}
