@@ -156,7 +156,7 @@ def averages(points: int) -> list[dict]:
 
 
 def sizes(threads: int) -> list[dict]:
-    """From 1,000 to 1,000,000 points: a step, and the memory that a point takes."""
+    """Cost of a step, and memory of a point, from 1,000 to 1,000,000 points."""
     rows = []
     for points in (1_000, 10_000, 100_000, 1_000_000):
         code = (
@@ -210,7 +210,7 @@ def say(rows: list[dict]) -> None:
 
 
 def slower(table: pd.DataFrame, baseline: pd.DataFrame) -> list[str]:
-    """What costs more than a tenth more than in the baseline, both over the yardstick's cost."""
+    """Sentences on what costs over a tenth more than in the baseline, both over the yardstick's cost."""
     both = table.merge(baseline, on=KEY, suffixes=("", "_before"))
     lost = both[both.yardstick_ratio * SLOWER < both.yardstick_ratio_before]
     return [

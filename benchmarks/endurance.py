@@ -69,13 +69,13 @@ class Memory(Observer):
             raise Stopped("all steps are done", 0)
 
     def growth(self, warm: int) -> float:
-        """From the first look after so many steps to the largest later one, over the first."""
+        """Growth from the first look after so many steps to the largest later one, over the first."""
         later = [size for steps, size in self.seen if steps >= warm]
         return max(later) / later[0] - 1.0
 
 
 def resident_MiB() -> float:
-    """Of this process, now; where the system does not tell, at most so far."""
+    """Memory of this process now; where the system does not tell, the most so far."""
     try:
         return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 2**20
     except OSError:

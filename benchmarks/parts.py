@@ -44,7 +44,7 @@ class Trial(NamedTuple):
 
 
 def trials(cell_m: float) -> list[Trial]:
-    """All of them for a cell size."""
+    """All trials for a cell size."""
     return [
         Trial("half model", "put in", lambda s: {"silo": Silo(half="yes")}),
         Trial(
@@ -138,7 +138,7 @@ def row(walls: str, part: str, tried: str, change: float, forces=(0.0, 0.0, 0.0)
 
 
 def measure(walls: str, cell_m: float, displacement_m: float) -> list[dict]:
-    """All rows for one kind of walls."""
+    """Measure all rows for one kind of walls."""
     runtime.init()
     base = standard(walls, cell_m, displacement_m)
     with tempfile.TemporaryDirectory() as folder:

@@ -96,7 +96,7 @@ class Neighbours:
 
     @ti.kernel
     def means(self, steps: ti.i32):
-        """All means, `steps` times, on one thread."""
+        """Compute all means, `steps` times, on one thread."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
             for p in range(self.average.particles.count):

@@ -8,6 +8,7 @@ import numpy as np
 
 from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.errors import BadInput
+from taichi_silo.scene.scene import Scene
 
 LAYERS = 20  # bands over the height of the fill
 MARKED = (0.375, 0.125)  # of the width, from the axis to both sides: where columns of points are marked
@@ -21,7 +22,7 @@ SLOW = 20.0  # times slower than the fastest: where a tenth of the sand is, a sc
 
 @dataclass(frozen=True)
 class Scale:
-    """How values become colours, and what stands at the colour bar.
+    """How values become colours, and the words at the colour bar.
 
     Attributes
     ----------
@@ -43,7 +44,7 @@ class Scale:
     missing: str = ""
 
     def share(self, values: np.ndarray) -> np.ndarray:
-        """Place of values between the ends, 0 to 1; nan stays."""
+        """Where values lie between the ends of the scale, 0 to 1; nan stays."""
         ends, values = np.array([self.low, self.high]), np.asarray(values, float)
         if self.decades:
             ends, values = np.log10(ends), np.log10(np.maximum(values, self.low))
@@ -52,7 +53,7 @@ class Scale:
 
 @dataclass(frozen=True)
 class Field:
-    """A number for each point.
+    """A field of the points that can be drawn: a number for each of them.
 
     Attributes
     ----------
@@ -68,11 +69,11 @@ class Field:
     about: str
     column: str
     scale: Scale
-    values: Callable[[dict, dict, object], np.ndarray]
-    limits: Callable[[object, np.ndarray], tuple[float, float]]
+    values: Callable[[dict, dict, Scene], np.ndarray]
+    limits: Callable[[Scene, np.ndarray], tuple[float, float]]
     slow: Callable[[np.ndarray], bool] = lambda values: False
 
-    def scaled(self, scene, values: np.ndarray, limits: tuple[float, float] | None = None) -> Scale:
+    def scaled(self, scene: Scene, values: np.ndarray, limits: tuple[float, float] | None = None) -> Scale:
         """The scale for a scene and values of its flow, or with given ends; logarithmic only above 0."""
         found = np.asarray(values, float)
         found = found[np.isfinite(found)]
@@ -81,12 +82,12 @@ class Field:
 
 
 def field(name: str) -> Field:
-    """The field of a name.
+    """Return the field of a name.
 
     Raises
     ------
     BadInput
-        if there is none.
+        if there is no such field.
 
     """
     if name not in FIELDS:
@@ -97,17 +98,17 @@ def field(name: str) -> Field:
 # --- ends of scales ---------------------------------------------------------------------------------------------------
 
 
-def void_ratio_range(scene, values=None) -> tuple[float, float]:
-    """From the initial to the critical void ratio, and a little beyond."""
+def void_ratio_range(scene: Scene, values: np.ndarray | None = None) -> tuple[float, float]:
+    """Ends of the scale: the initial and the critical void ratio, and a little beyond."""
     low, high = sorted((scene.sand.void_ratio, scene.sand.e_c0))
     margin = max(0.1 * (high - low), 0.02)
     return low - margin, high + margin
 
 
 def to_most(decades: float = 0.0) -> Callable:
-    """From 0, or so many decades below, to a round number above nearly all values."""
+    """Ends of the scale: from 0, or so many decades below, to a round number above nearly all values."""
 
-    def limits(scene, values) -> tuple[float, float]:
+    def limits(scene: Scene, values: np.ndarray) -> tuple[float, float]:
         high = nice(float(np.quantile(values, MOST))) if len(values) else 1.0
         return (high / 10.0**decades if decades else 0.0), high
 
@@ -122,31 +123,32 @@ def nice(value: float) -> float:
     return next(step * power for step in NICE if step * power >= value * (1.0 - 1e-9))
 
 
-def speeds(scene, values) -> tuple[float, float]:
-    """From 0, or two decades below where much of the sand is slow."""
+def speeds(scene: Scene, values: np.ndarray) -> tuple[float, float]:
+    """Ends of the scale of speed: from 0, or from two decades below the upper end where much of the sand is slow."""
     return to_most(2.0 if _much_is_slow(values) else 0.0)(scene, values)
 
 
-def about_critical(scene, values) -> tuple[float, float]:
-    """On both sides of the critical friction angle."""
+def about_critical(scene: Scene, values: np.ndarray) -> tuple[float, float]:
+    """Ends of the scale: as far on both sides of the critical friction angle."""
     angle = scene.sand.critical_friction_angle_deg
     return max(angle - BEYOND, 0.0), angle + min(BEYOND, angle)
 
 
-def _much_is_slow(values) -> bool:
+def _much_is_slow(values: np.ndarray) -> bool:
+    """Whether a tenth of the points is over twenty times slower than the fastest."""
     return bool(len(values)) and SLOW * np.quantile(values, 0.1) < np.quantile(values, MOST)
 
 
 # --- formulas ---------------------------------------------------------------------------------------------------------
 
 
-def mean_stress_kpa(points, start, scene) -> np.ndarray:
-    """Pressure: a third of the trace, compression positive."""
+def mean_stress_kpa(points: dict, start: dict, scene: Scene) -> np.ndarray:
+    """Mean stress (n,): a third of the trace, compression positive [kPa]."""
     return -1e-3 * points["stress"][:, :3].sum(axis=1) / 3.0
 
 
-def mobilised_friction_deg(points, start, scene) -> np.ndarray:
-    """From the largest and the smallest of all three principal stresses; nan where the sand carries none."""
+def mobilised_friction_deg(points: dict, start: dict, scene: Scene) -> np.ndarray:
+    """Mobilised friction angle (n,) from all three principal stresses [deg]; nan where the sand carries none."""
     xx, yy, zz, xy = -points["stress"].T
     middle, radius = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
     high, low = np.maximum(middle + radius, zz), np.minimum(middle - radius, zz)
@@ -155,8 +157,8 @@ def mobilised_friction_deg(points, start, scene) -> np.ndarray:
     return np.degrees(np.arcsin(np.clip(ratio, 0.0, 1.0)))
 
 
-def layers(points, start, scene) -> np.ndarray:
-    """0 and 1 in turn for bands of the height at the start, 2 for some columns of points."""
+def layers(points: dict, start: dict, scene: Scene) -> np.ndarray:
+    """Class (n,) by the place at the start: 0 and 1 in turn for bands of the height, 2 for some columns."""
     x, y = matched(start, points)["position"].T
     spacing = scene.spacing_m
     rows = max(2, round(scene.silo.height_m / (LAYERS * spacing)))

@@ -78,7 +78,7 @@ def chart(
 
 
 def numbers(wanted: dict[str, ParameterSet], folder: Path) -> dict[str, dict]:
-    """What is kept of all finished runs, by key."""
+    """Read the numbers of all finished runs, by key."""
     found = {key: kept(one, folder) for key, one in wanted.items()}
     return {key: run for key, run in found.items() if run is not None}
 

@@ -1,4 +1,4 @@
-"""What of a run is compared: forces over the bottom displacement, and the wall stress over height."""
+"""The curves by which runs are compared: forces over the bottom displacement, wall stress over height."""
 
 from dataclasses import dataclass
 
@@ -27,7 +27,7 @@ class Curves:
 
     @classmethod
     def of(cls, flow: pd.DataFrame, displacement_m: float) -> "Curves":
-        """From the records of the flow: no impulse is lost between the parts.
+        """Means over equal parts of the displacement from the records of the flow; no impulse is lost between them.
 
         Impulse and time are interpolated at the edges of the parts; a mean is their quotient. The first two of a
         hundred parts are left out.
@@ -64,7 +64,7 @@ class WallProfile(Observer):
             self.seconds += record.interval_s
 
     def smooth(self) -> dict[str, np.ndarray]:
-        """As a 20 mm pressure cell reads it, every 10 mm above the plate; without corner and free surface."""
+        """Wall stress as a pressure cell reads it, every 10 mm above the plate; without corner and surface."""
         scene, rows = self.simulation.scene, self.simulation.solver.grid.rows
         nodes, sides = None, []
         for wall, sign in ((LEFT, 1.0), (RIGHT, -1.0)):

@@ -82,7 +82,7 @@ def _curve(panel, rows: pd.DataFrame, measure: str, number: int, size: float) ->
 
 
 def _limits(errors: pd.Series) -> tuple[float, float]:
-    """Of the axis: all errors but 0, with some room."""
+    """Ends of a logarithmic axis: all errors but 0, with some room."""
     errors = errors[errors > 0.0].clip(LEAST)
     return 0.6 * errors.min(), 1.6 * errors.max()
 

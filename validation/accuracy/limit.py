@@ -9,7 +9,7 @@ SAME = 0.02  # relative difference of residual forces that counts as none
 
 @dataclass(frozen=True)
 class Limit:
-    """What a series of speeds says.
+    """Limit of N as the bottom slows, from a series of speeds.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ def limit(speed_m_per_s, normal_N_per_m, scatter: float = 0.0) -> Limit | None:
 
 
 def sentence(name: str, found: Limit) -> str:
-    """In words."""
+    """The limit of a series in words."""
     slow, fast = 1e3 * found.slowest_m_per_s, 1e3 * found.fastest_same_m_per_s
     growth = f"N changes by {100 * found.change_per_decade:+.1f} % a decade at {slow:g} mm/s"
     if found.reached:

@@ -36,7 +36,7 @@ NUDGE = 1e-12  # of the places at the start, over the spacing: what rounding mig
 
 
 class ParameterSet(Options):
-    """What decides over a run: scene, precision of its numbers, and number of its start perturbation (0: none)."""
+    """Scene of a run, precision of its numbers, and number of the perturbation of its start (0: none)."""
 
     scene: Scene
     precision: Literal["f64", "f32", "mixed"] = "f64"
@@ -87,7 +87,7 @@ class Records(Observer):
         self.after_filling = self.state()
 
     def state(self) -> dict:
-        """Of the points, now."""
+        """Present state of the points, with displacement and time."""
         simulation = self.simulation
         return simulation.points() | {"displacement_m": simulation.displacement, "time_s": simulation.time}
 

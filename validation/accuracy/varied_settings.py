@@ -26,7 +26,7 @@ class VariedSetting(Options):
 
 
 class Program(Options):
-    """What a chart runs: the base of all settings, the reference of all errors, and what is varied about the base."""
+    """The runs of a chart: the base of all settings, the reference of all errors, and what is varied about the base."""
 
     base: Settings
     reference: Settings
@@ -120,7 +120,7 @@ FULL = Program(
 
 
 def known_to_the_scene(varied: list[VariedSetting]) -> list[VariedSetting]:
-    """Those whose paths the scene knows."""
+    """The varied settings whose paths the scene knows."""
     return [one for one in varied if all(known(path) for setting in one.settings for path in setting)]
 
 

@@ -22,7 +22,7 @@ CONTRAST = 3.0  # of the strain in the band over that of the surroundings, below
 
 @dataclass(frozen=True)
 class Band:
-    """What was found.
+    """The strongest straight band of a specimen.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What the law alone says of a biaxial test: bounds that a specimen can be judged by."""
+"""Bounds for a biaxial test that follow from the law alone."""
 
 import math
 
@@ -11,7 +11,7 @@ from validation.biaxial.scene import BiaxialScene
 
 
 def bounds(void_ratio: float, pressure_Pa: float, scene: BiaxialScene) -> dict:
-    """What the law alone gives: homogeneous peak and dilatancy there, first bifurcation, and Roscoe's angle."""
+    """Peak of homogeneous sand, first bifurcation and the angle of its band, and Roscoe's angle."""
     law = scene.sand.model_copy(update={"void_ratio": void_ratio}).skeleton()
     test = TESTS["plane-strain"]
     rows = np.array(list(through_point(test, law, void_ratio, pressure_Pa, 0.1)))

@@ -115,7 +115,7 @@ class Biaxial:
         return float(np.ptp(place[:, 0])) * self.scene.points_across / (self.scene.points_across - 1)
 
     def points(self) -> dict[str, np.ndarray]:
-        """All fields of the points; `position` from the left edge's first place, `reference` at the start."""
+        """All fields of the points; `position` is counted from the first left edge, `reference` is the first place."""
         scene = self.scene
         arrays = self.specimen.particles.arrays()
         arrays["position"] = arrays["position"] - np.array([self.left, 0.0])

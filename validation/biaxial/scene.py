@@ -1,4 +1,4 @@
-"""What a user gives for a biaxial test."""
+"""The input of a biaxial test."""
 
 import math
 from typing import Literal
@@ -52,10 +52,10 @@ class BiaxialScene(MethodOptions):
 
     @property
     def spacing_m(self) -> float:
-        """Of the points."""
+        """Spacing of the points."""
         return self.width_m / self.points_across
 
     @property
     def cell_size_m(self) -> float:
-        """Of the grid."""
+        """Size of the grid's cells."""
         return self.spacing_m * math.isqrt(self.points_per_cell)

@@ -38,7 +38,7 @@ class BiaxialStudy:
         return BiaxialScene.model_validate(tables)
 
     def folder(self, root: Path, label: str) -> Path:
-        """Of a case; cases with the same changes share it."""
+        """Folder of a case; cases with the same changes share it."""
         changes = self.cases[label]
         words = [f"{name.split('.')[-1]}={value:g}" if isinstance(value, float) else f"{name.split('.')[-1]}={value}"
                  for name, value in sorted(changes.items())]  # fmt: skip
@@ -169,7 +169,7 @@ def _spread(name: str, found: dict | None) -> dict:
 
 @functools.cache
 def _bounds(void_ratio: float, pressure_Pa: float) -> dict:
-    """What the law alone says, in the table's units."""
+    """Bounds from the law alone, in the table's units."""
     found = bounds(void_ratio, pressure_Pa, BiaxialScene())
     return {
         "homogeneous_peak_deg": found.get("homogeneous_peak_deg"),

@@ -103,7 +103,7 @@ def about(statement: Statement, case: str) -> bool:
 
 
 def words(found: PaperFindings) -> list[str]:
-    """What has to be said beside the table, or in place of it."""
+    """Sentences that stand below the table of a run, or in its place if it is none of the paper's flows."""
     away = "; ".join(
         f"{path} {_given(mine)} instead of {_given(other)}" for path, mine, other in found.known.differences
     )

@@ -71,7 +71,7 @@ class Case:
 
     @property
     def wall_friction_angle_deg(self) -> float | None:
-        """Of smooth walls [degrees]; None at very rough ones."""
+        """Friction angle of smooth walls [degrees]; None at very rough ones."""
         return SMOOTH_ANGLE_DEG[self.sand] if self.walls == "smooth" else None
 
     @property
@@ -81,12 +81,12 @@ class Case:
 
     @property
     def section(self) -> str:
-        """Of the paper: 6 for the whole bottom, 7 for outlets."""
+        """Section of the paper: 6 for the whole bottom, 7 for outlets."""
         return "6" if self.opening.whole else "7"
 
     @property
     def words(self) -> str:
-        """What it is, for titles."""
+        """The case in words, for titles."""
         outlet = {"bottom": "whole bottom", "centre-80": "outlet of 80 mm in the middle"}.get(self.outlet)
         outlet = outlet or f"outlet of {1e3 * self.opening.width_m:g} mm at the right wall"
         driven = ", emptied by gravity" if self.gravity else ""

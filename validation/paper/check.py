@@ -39,7 +39,7 @@ class Finding:
 
     @property
     def wanted(self) -> str:
-        """Its range in words, tolerance included."""
+        """The range that it should lie in, widened by the tolerance, in words."""
         if self.low is None or self.high is None:
             return f"at most {self.high:.4g}" if self.low is None else f"at least {self.low:.4g}"
         return f"{self.low:.4g} to {self.high:.4g}" if self.low < self.high else f"{self.low:.4g}"

@@ -37,7 +37,7 @@ class CaseRun:
 
     @cached_property
     def result(self) -> Result:
-        """What the run has left."""
+        """The run's folder, opened."""
         try:
             return Result(self.folder)
         except BadInput as error:
@@ -84,7 +84,7 @@ class CaseRun:
 
     @cached_property
     def progress(self) -> np.ndarray:
-        """Of each row of flow, 0 to 1: by displacement, or by time where none is prescribed."""
+        """How far the flow has come in each row, 0 to 1: by displacement, or by time where none is prescribed."""
         for name in ("displacement_m", "time_s"):
             passed = self.flow[name].to_numpy()
             if passed[-1] > passed[0]:

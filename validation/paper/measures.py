@@ -134,7 +134,7 @@ def finished(run: CaseRun) -> float:
 
 
 def inertial_number(run: CaseRun) -> float:
-    """Its 99th percentile in flow [-]; nan if the run does not tell."""
+    """Inertial number, 99th percentile over the points in flow [-]; nan if the summary has none."""
     found = run.summary.get("certificate", {}).get("inertial_number_99th_percentile")
     return np.nan if found is None else float(found)
 

@@ -31,5 +31,5 @@ def scene_of(case: Case, cell_size_m: float = 0.005, speed_m_per_s: float = 0.00
 
 
 def scenes(cell_size_m: float = 0.005, speed_m_per_s: float = 0.002) -> dict[str, Scene]:
-    """All 17."""
+    """The scenes of all 17 cases, by name."""
     return {name: scene_of(case, cell_size_m, speed_m_per_s) for name, case in CASES.items()}

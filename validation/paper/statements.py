@@ -15,7 +15,7 @@ Kind = Literal["number", "relation", "figure", "not checkable here"]
 
 
 class Term(Options):
-    """What a measured number is divided by, or what is taken from it; what is not given is as in the number itself.
+    """A number that another one is divided by, or that is subtracted from it; what is not given is as in the other.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ def named(patterns: tuple[str, ...]) -> list[str]:
 
 
 def read(file: Path = FILE) -> tuple[list[Statement], dict[str, Tolerance]]:
-    """All statements of a file, in its order, and its tolerances by name."""
+    """Read all statements of a file, in its order, and its tolerances by name."""
     content = tomllib.loads(file.read_text(encoding="utf-8"))
     tolerances = {name: Tolerance.model_validate(one) for name, one in content["tolerances"].items()}
     found = [Statement.model_validate(one) for one in content["statement"]]

@@ -1,4 +1,4 @@
-"""What the points of a run tell: shear zones, loosening, and which sand moves.
+"""Measures of a run's points: shear zones, loosening, and which sand moves.
 
 Points leave the silo through an outlet; where their number has changed, the void ratio after filling is taken as its
 mean over all points.

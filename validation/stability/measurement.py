@@ -24,7 +24,7 @@ class Measurement:
         return bool(RELATIONS[self.relation](self.value, self.bound))
 
     def row(self, failure_mode: str) -> dict:
-        """As in table.csv."""
+        """The row of table.csv."""
         return {
             "mode": failure_mode, "method": self.method, "measure": self.measure, "value": self.value,
             "unit": self.unit, "bound": f"{self.relation} {self.bound:g}", "holds": self.holds,

@@ -21,7 +21,7 @@ AMPLITUDE = 1e3  # [Pa]
 
 
 def null_part(position, volume, stress, cell: float) -> np.ndarray:
-    """What of the stresses (points, 4) is left in each cell beside the plane that its hat functions can feel [Pa]."""
+    """Stresses (points, 4) less the plane in each cell that its hat functions can feel: what no node feels [Pa]."""
     place = position / cell
     index = np.floor(place).astype(int)
     local = place - index
@@ -75,7 +75,7 @@ def checkerboard_left(shape, per_axis: int, filtering=None, steps: int = 1000) -
 
 
 def wave_left(shape, per_axis: int, filtering=None, steps: int = 1000) -> float:
-    """What is left of the amplitude of a stress that is at rest: sigma_yy = A cos(2 pi x / 8 h), 1 exactly."""
+    """Share that is left of a stress at rest, sigma_yy = A cos(2 pi x / 8 h); exactly 1."""
     particles, body = closed_box(shape, per_axis, filtering)
     wave = np.cos(2.0 * math.pi * particles.arrays()["position"][:, 0] / (8.0 * CELL))
     zero = 0.0 * wave

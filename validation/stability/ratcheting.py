@@ -116,7 +116,7 @@ def history(method: dict, law: str, control: str | None) -> dict:
 
 
 def curves(full: bool = True) -> dict[str, dict]:
-    """What `history` says of each method."""
+    """Histories of all methods, by name; a method whose run fails is lost."""
     found = {}
     for name in METHODS if full else QUICK:
         try:

@@ -23,7 +23,7 @@ def vortex(radius):
 
 
 def shear_rate(radius):
-    """Its rate of shear, r d omega / dr [1/s]."""
+    """Rate of shear of the vortex, r d omega / dr [1/s]."""
     slope = -0.5 * math.pi / 0.9 * np.sin(math.pi * radius / 0.9)
     return np.where(radius < 0.9, radius * slope, 0.0)
 
@@ -86,7 +86,7 @@ def rotation_error(shape, steps: int = 500) -> float:
 
 
 def rotation_error_without_objective_rate() -> float:
-    """The same if the stress stays as it is, as in codes that turn it back with the rotation that turned it."""
+    """Error of a stress that stays as it is while the body turns, over its deviator: without an objective rate."""
     start = (-2e3, -1e3, -1e3, 300.0)
     change_of = max(abs(start[0] - start[1]), 2.0 * abs(start[3]))
     return change_of / math.hypot(0.5 * (start[0] - start[1]), start[3])

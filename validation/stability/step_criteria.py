@@ -28,7 +28,7 @@ from taichi_silo.mpm.solver import Solver
 
 @ti.data_oriented
 class Criteria:
-    """All criteria of a solver's present state; `inversion` needs that it has done a step."""
+    """Evaluates all criteria for the present state of a solver, which has done a step."""
 
     NAMES = ("auto", "rigorous", "courant", "velocity", "inversion")
 

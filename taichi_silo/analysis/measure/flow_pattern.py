@@ -37,7 +37,7 @@ LAYER = 0.05  # of the width: thickness and height of the part of the wall layer
 
 @dataclass(frozen=True)
 class FlowPattern:
-    """What was found.
+    """Pattern of a flow.
 
     Attributes
     ----------

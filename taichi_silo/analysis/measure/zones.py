@@ -39,7 +39,7 @@ MEETING = 2.0  # spacings between the ends of two zones on a wall, up to which t
 
 @dataclass(frozen=True)
 class Zones:
-    """All zones.
+    """All shear zones of a body.
 
     Attributes
     ----------
