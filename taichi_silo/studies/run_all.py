@@ -25,8 +25,9 @@ def run_all(runs: dict[str, Run], output: Path) -> None:
 
     """
     missing = {name: run for name, run in runs.items() if not run.finished}
-    for name in runs.keys() - missing.keys():
-        print(f"{name:20s} kept", flush=True)
+    for name in runs:
+        if name not in missing:
+            print(f"{name:20s} kept", flush=True)
     writable(output)
     failures = simulate(missing, cores())
     for name, why in failures.items():
