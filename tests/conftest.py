@@ -12,9 +12,11 @@ from pathlib import Path
 import pytest
 
 from taichi_silo.mpm import executors, runtime, solver
+from taichi_silo.runs import session
 from tests import taichi_frontend  # noqa: F401 - it makes Taichi's front end faster
 
-DATA = Path(__file__).parent / "data"
+HERE = Path(__file__).parent
+DATA = HERE / "data"
 AFFINITY = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
 
 
@@ -38,14 +40,14 @@ def all_cores():
 
 
 def pytest_collection_modifyitems(items):
-    """What lies in tests/mechanics says a sentence of mechanics; elsewhere the mark says it."""
+    """Folders whose tests say sentences of mechanics; elsewhere the mark says so."""
     for item in items:
-        if item.path.parent.name == "mechanics":
+        if item.path.parent.name in ("mechanics", "mpm"):
             item.add_marker("mechanics")
 
 
 def pytest_terminal_summary(terminalreporter):
-    """How much of the time went into mechanics; what all processes of the tests spent is added up."""
+    """How much of the time went into mechanics, added up over all processes."""
     reports = [one for group in terminalreporter.stats.values() for one in group if hasattr(one, "duration")]
     mechanics = sum(one.duration for one in reports if "mechanics" in one.keywords)
     terminalreporter.write_line(f"mechanics: {mechanics:.0f} of {sum(one.duration for one in reports):.0f} s")
@@ -70,8 +72,16 @@ def loops(request):
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(executors, "BURST", 2)
-        if not getattr(request.module, "LANES", "unit" not in request.path.parts):
+        if not getattr(request.module, "LANES", "unit" not in request.path.relative_to(HERE).parts):
             patch.setattr(solver, "hindrance", lambda solver: "this test does without")
+        yield
+
+
+@pytest.fixture(scope="module")
+def bare():
+    """Runs draw no figures, which take longer than small runs."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(session._Session, "_draw", lambda self: None)
         yield
 
 

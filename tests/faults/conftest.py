@@ -12,13 +12,12 @@ from taichi_silo.runs.session import run
 from taichi_silo.scene.scene import Machine
 from taichi_silo.simulation import restart
 from taichi_silo.simulation.simulation import Simulation
-from tests.faults import bad
-from tests.faults.tiny import SCENE
+from tests.smallest import SMALLEST
 
 
 @pytest.fixture(scope="module")
 def quick():
-    """Runs of the tiny scene step with one simulation, put back to its start, which is compiled once; no figures."""
+    """Runs of the smallest silo step with one simulation, put back to its start, which is compiled once; no figures."""
     made = []
 
     def simulation(scene):
@@ -39,24 +38,18 @@ def quick():
         yield
 
 
-@pytest.fixture(scope="module")
-def whole(quick, tmp_path_factory):
-    """The folder of a run that nothing befell."""
-    return run(SCENE, tmp_path_factory.mktemp("runs") / "whole", film=False)
-
-
 @pytest.fixture(scope="session")
-def plain(tmp_path_factory):
-    """The folder of a run, without figures, to be spoiled in copies."""
+def whole(tmp_path_factory):
+    """The folder of a run that nothing befell, without film and figures; not to be changed."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(session._Session, "_draw", lambda self: None)
-        return run(bad.SCENE, tmp_path_factory.mktemp("runs") / "plain", film=False)
+        return run(SMALLEST, tmp_path_factory.mktemp("runs") / "whole", film=False)
 
 
 @pytest.fixture
-def left(plain, tmp_path):
+def left(whole, tmp_path):
     """A copy of it, in which it is not finished."""
-    place = Path(shutil.copytree(plain, tmp_path / "left"))
+    place = Path(shutil.copytree(whole, tmp_path / "left"))
     made = place / "run.toml"
     made.write_text(made.read_text().replace("finished = true", "finished = false"))
     return place

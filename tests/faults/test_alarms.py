@@ -10,7 +10,6 @@ import shapely
 
 from taichi_silo import Flow, Machine, Mesh, Method, RunFailed, Scene, Silo, run
 from taichi_silo.mpm import runtime
-from taichi_silo.runs import session
 from taichi_silo.runs.alarms import of_points as of_points
 from taichi_silo.runs.alarms import of_records as of_records
 from taichi_silo.runs.observers import Observer, guard
@@ -26,6 +25,8 @@ SCENE = Scene(
     flow=Flow(speed_m_per_s=0.01, displacement_m=0.004),
     method=Method(filling_time_s=0.1, longest_settling_s=0.1), machine=Machine(threads=1, lanes=False),
 )  # fmt: skip
+
+pytestmark = pytest.mark.usefixtures("bare")
 
 
 class Spoiler(Observer):
@@ -73,14 +74,6 @@ SPOILT = {  # name of the alarm: what is done, words in its sentence, whether it
 def often(monkeypatch):
     """Looks at all points in every record: these runs are short, and a wall pushes back what is in it."""
     monkeypatch.setattr(guard, "EVERY_PERIODS", 0.1)
-
-
-@pytest.fixture(autouse=True, scope="module")
-def bare():
-    """Figures take longer than these runs."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(session._Session, "_draw", lambda self: None)
-        yield
 
 
 def alarmed(folder, scene, *extra, stops):

@@ -11,7 +11,8 @@ from taichi_silo import Result
 from taichi_silo.runs import snapshot
 from taichi_silo.runs.result import FORCES as COLUMNS
 from taichi_silo.utils.messages import LONGEST
-from tests.faults.bad import JARGON, circle, command, folder, holding, no_file, refusal, refused
+from tests.faults.bad import JARGON, circle, folder, holding, no_file, refusal, refused
+from tests.faults.harness import command
 
 RNG = np.random.default_rng(5)
 
@@ -108,8 +109,8 @@ DRAWN = ("forces.csv has words", "index.csv leads out")  # all damages are with 
 
 
 @pytest.mark.parametrize("kind", [kind for kind in DAMAGES if kind not in SLOW])
-def test_a_run_with_damaged_files_is_shown_or_refused_in_a_sentence(kind, plain, tmp_path, monkeypatch, capsys, tried):
-    place, out = Path(shutil.copytree(plain, tmp_path / "run")), tmp_path / "out"
+def test_a_run_with_damaged_files_is_shown_or_refused_in_a_sentence(kind, whole, tmp_path, monkeypatch, capsys, tried):
+    place, out = Path(shutil.copytree(whole, tmp_path / "run")), tmp_path / "out"
     if kind not in DRAWN:
         (place / "figures").mkdir()
         (place / "figures" / "void_ratio.png").write_bytes(b"")
@@ -121,8 +122,8 @@ def test_a_run_with_damaged_files_is_shown_or_refused_in_a_sentence(kind, plain,
 
 @pytest.mark.long
 @pytest.mark.parametrize("kind", DAMAGES)
-def test_a_run_with_damaged_files_is_drawn_or_refused_in_a_sentence(kind, plain, tmp_path, monkeypatch, capsys, tried):
-    place, out = Path(shutil.copytree(plain, tmp_path / "run")), tmp_path / "out"
+def test_a_run_with_damaged_files_is_drawn_or_refused_in_a_sentence(kind, whole, tmp_path, monkeypatch, capsys, tried):
+    place, out = Path(shutil.copytree(whole, tmp_path / "run")), tmp_path / "out"
     DAMAGES[kind](place)
     shown_or_refused(place, out, commands(place, out), monkeypatch, capsys, tried)
 

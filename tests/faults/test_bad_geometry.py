@@ -5,7 +5,8 @@ import math
 import pytest
 
 from taichi_silo.scene.scene_files import scene_of
-from tests.faults.bad import CIRCLE, SMALL, SQUARE, refusal, turned
+from tests.faults.bad import CIRCLE, SQUARE, refusal, turned
+from tests.smallest import TABLES
 
 POLYGONS = {  # corners about the origin, and the word with which they are refused, or nothing
     "crosses itself": ([(-1, -1), (1, 1), (1, -1), (-1, 1)], "self-intersection"),
@@ -36,7 +37,7 @@ POLYGONS = {  # corners about the origin, and the word with which they are refus
 def test_a_polygon_in_the_sand_is_refused_or_a_scene(kind, tried):
     corners, word = POLYGONS[kind]
     insert = {"kind": "polygon", "corners_m": turned(corners)}
-    tables = SMALL | {"silo": SMALL["silo"] | {"inserts": [insert]}}
+    tables = TABLES | {"silo": TABLES["silo"] | {"inserts": [insert]}}
     words = refusal(lambda: scene_of(tables))
     if word is None:
         assert words is None
@@ -72,7 +73,7 @@ OUTLINES = {
 
 @pytest.mark.parametrize("kind", OUTLINES)
 def test_an_outline_that_is_no_silo_is_refused(kind, tried):
-    tables = SMALL | {"silo": {"outline_m": OUTLINES[kind]}}
+    tables = TABLES | {"silo": {"outline_m": OUTLINES[kind]}}
     assert refusal(lambda: scene_of(tables)) is not None
     tried("inputs refused", "an outline that is no silo")
 
@@ -99,6 +100,6 @@ INSERTS = {
 
 @pytest.mark.parametrize("kind", INSERTS)
 def test_inserts_that_cannot_stand_are_refused(kind, tried):
-    tables = SMALL | {"silo": SMALL["silo"] | {"inserts": INSERTS[kind]}}
+    tables = TABLES | {"silo": TABLES["silo"] | {"inserts": INSERTS[kind]}}
     assert refusal(lambda: scene_of(tables)) is not None
     tried("inputs refused", "an insert that cannot stand")

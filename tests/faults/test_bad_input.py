@@ -2,24 +2,31 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-SCENARIOS = Path(__file__).parents[2] / "scenarios"
-SCRIPT = SCENARIOS / "mass_flow.py"
+from tests.faults.harness import ROOT, contents, failed
 
 
-def refuse(folder, *flags, script=SCRIPT):
-    """The one sentence on stderr."""
-    done = subprocess.run(
-        [sys.executable, str(script), "--output", str(folder / "run"), *flags],
-        capture_output=True, text=True, cwd=folder, timeout=120,
-    )  # fmt: skip
-    assert done.returncode == 2, done.stderr
-    assert "Traceback" not in done.stderr
-    assert not list(folder.rglob("*")), "something was written"
-    return " ".join(done.stderr.split())
+@pytest.fixture
+def refuse(tmp_path, monkeypatch, capsys):
+    """A function: the one sentence with which a scenario refuses these flags, before anything is written."""
+    monkeypatch.chdir(tmp_path)
+
+    def sentence(scenario, *flags):
+        code, err = failed(monkeypatch, capsys, "run", scenario, "--output", "run", *flags)
+        assert code == 2 and err.startswith("Error: "), err
+        assert not list(tmp_path.iterdir()), "something was written"
+        return err
+
+    return sentence
+
+
+def test_a_script_refuses_as_the_command_does(tmp_path):
+    script = ROOT / "scenarios" / "mass_flow.py"
+    done = subprocess.run([sys.executable, script, "--width", "-0.2"], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 2 and done.stderr.startswith("Error: ") and done.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
@@ -56,8 +63,8 @@ def refuse(folder, *flags, script=SCRIPT):
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) and value[0].startswith("--") else "",
 )
-def test_one_sentence_names_the_value_and_what_would_be_right(tmp_path, flags, words):
-    sentence = refuse(tmp_path, *flags)
+def test_one_sentence_names_the_value_and_what_would_be_right(refuse, flags, words):
+    sentence = refuse("mass_flow", *flags)
     for word in words:
         assert word in sentence, sentence
 
@@ -74,8 +81,8 @@ def test_one_sentence_names_the_value_and_what_would_be_right(tmp_path, flags, w
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) and len(value) < 4 else "",
 )
-def test_an_impossible_element_test_is_refused(tmp_path, flags, words):
-    sentence = refuse(tmp_path, *flags, script=SCENARIOS / "element_test.py")
+def test_an_impossible_element_test_is_refused(refuse, flags, words):
+    sentence = refuse("element_test", *flags)
     for word in words:
         assert word in sentence, sentence
 
@@ -93,33 +100,24 @@ def test_an_impossible_element_test_is_refused(tmp_path, flags, words):
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) and value[0].startswith("--") else "",
 )
-def test_an_impossible_specimen_is_refused(tmp_path, flags, words):
-    sentence = refuse(tmp_path, *flags, script=SCENARIOS / "plane_strain_compression.py")
+def test_an_impossible_specimen_is_refused(refuse, flags, words):
+    sentence = refuse("plane_strain_compression", *flags)
     for word in words:
         assert word in sentence, sentence
 
 
-def test_an_output_that_cannot_be_written_is_refused(tmp_path):
-    file = tmp_path / "file"
-    file.write_text("in the way")
-    done = subprocess.run(
-        [sys.executable, str(SCRIPT), "--output", str(file / "run")], capture_output=True, text=True, timeout=120
-    )
-    assert done.returncode == 2
-    assert "cannot be written" in done.stderr
-    assert "Traceback" not in done.stderr
-    assert list(tmp_path.iterdir()) == [file]
+def test_an_output_that_cannot_be_written_is_refused(tmp_path, monkeypatch, capsys):
+    (tmp_path / "file").write_text("in the way")
+    code, err = failed(monkeypatch, capsys, "run", "mass_flow", "--output", tmp_path / "file" / "run")
+    assert code == 2 and "cannot be written" in err
+    assert [file.name for file in tmp_path.iterdir()] == ["file"]
 
 
-def test_a_run_is_not_overwritten_unasked(tmp_path):
+def test_a_run_is_not_overwritten_unasked(tmp_path, monkeypatch, capsys):
     (tmp_path / "run.toml").write_text("precious = true")
-    done = subprocess.run(
-        [sys.executable, str(SCRIPT), "--output", str(tmp_path)], capture_output=True, text=True, timeout=120
-    )
-    assert done.returncode == 2
-    assert "--overwrite" in done.stderr
-    assert (tmp_path / "run.toml").read_text() == "precious = true"
-    assert list(tmp_path.iterdir()) == [tmp_path / "run.toml"]
+    code, err = failed(monkeypatch, capsys, "run", "mass_flow", "--output", tmp_path)
+    assert code == 2 and "--overwrite" in err
+    assert contents(tmp_path) == {"run.toml": b"precious = true"}
 
 
 @pytest.mark.parametrize(
@@ -135,7 +133,7 @@ def test_a_run_is_not_overwritten_unasked(tmp_path):
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) and value[0].startswith("--") else "",
 )
-def test_an_impossible_silo_is_refused(tmp_path, script, flags, words):
-    sentence = refuse(tmp_path, *flags, script=SCENARIOS / f"{script}.py")
+def test_an_impossible_silo_is_refused(refuse, script, flags, words):
+    sentence = refuse(script, *flags)
     for word in words:
         assert word in sentence, sentence

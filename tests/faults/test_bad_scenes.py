@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 from taichi_silo.scene import reference
 from taichi_silo.scene.scene_files import scene_of
 from tests.faults import bad
-from tests.faults.bad import SMALL, refusal
+from tests.faults.bad import refusal
 from tests.faults.test_edge_scenes import runs
+from tests.smallest import TABLES
 
 OPTIONAL = {
     "silo.outlet.": {"width_m": 0.1},
@@ -96,7 +97,7 @@ PATHS = [*(entry.path for entry in reference.entries()), *reference.tables_of()]
 
 def with_value(path, value):
     """The tables of a small scene with a value at a path of the reference."""
-    tables = copy.deepcopy(SMALL)
+    tables = copy.deepcopy(TABLES)
     for before, table in OPTIONAL.items():
         if f"{path}.".startswith(before):
             tables["silo"][before.split(".")[1]] = copy.deepcopy(table)
@@ -216,7 +217,7 @@ CONFLICTS = [
 
 @pytest.mark.parametrize(("changes", "word"), CONFLICTS, ids=range(len(CONFLICTS)))
 def test_choices_that_do_not_go_together_are_refused(changes, word, tried):
-    tables = bad.changed(SMALL, changes)
+    tables = bad.changed(TABLES, changes)
     words = refusal(lambda: scene_of(tables))
     assert words is not None and word in words, words
     tried("inputs refused", "choices that do not go together")
@@ -247,7 +248,7 @@ SETTINGS = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow, He
 
 
 def changed(changes):
-    tables = copy.deepcopy(SMALL)
+    tables = copy.deepcopy(TABLES)
     for path, value in changes:
         if not isinstance(tables["silo"], dict):
             return tables

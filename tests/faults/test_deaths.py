@@ -3,63 +3,20 @@
 import os
 import random
 import shutil
+import signal
 import subprocess
-import sys
+import time
 from collections import Counter
 
 import pytest
 
 from taichi_silo.runs.observers import checkpoint
 from taichi_silo.runs.session import resume, run
-from taichi_silo.utils import atomic_write
-from tests.faults.tiny import ROOT, SCENE, assert_same, assert_sound
+from taichi_silo.utils import atomic_write, file_lock
+from tests.faults.harness import assert_same, assert_sound, child
+from tests.smallest import SMALLEST, smallest
 
-OFTEN = SCENE.model_copy(update={"output": SCENE.output.model_copy(update={"checkpoint_s": 0.03})})
-# it runs, or goes on, until a chosen write, and dies there, or some time after
-CHILD = """
-import os, signal, sys, threading, time
-from pathlib import Path
-from taichi_silo import Scene, one_run
-from taichi_silo.observers import checkpoint, forces, movie
-
-scene, folder, film, what, count, delay = *sys.argv[1:5], int(sys.argv[5]), float(sys.argv[6])
-folder = Path(folder)
-movie.FILLING_FRAMES, movie.FLOW_FRAMES = 10, 30
-written, write = 0, forces.Table._write
-
-def die():
-    time.sleep(delay)
-    os.kill(os.getpid(), signal.SIGKILL)
-
-def counted(file):
-    global written
-    written += str(folder) in file and what in file[len(str(folder)) :]
-    return written == count
-
-def hook(event, given):
-    file = str(given[0]) if given else ""
-    changes = event in ("os.rename", "os.remove", "os.truncate", "shutil.copyfile")
-    changes |= event == "open" and ((given[2] or 0) & (os.O_WRONLY | os.O_RDWR)) != 0
-    if changes and counted(file):
-        threading.Thread(target=die).start() if delay else die()
-
-def torn(self, cells):
-    if counted(str(self.file)):
-        self.stream.write(b"0.0123,filling,0.0")
-        die()
-    write(self, cells)
-
-if what == "time":
-    threading.Thread(target=die, daemon=True).start()
-elif what.endswith(".csv") and count > 1:
-    forces.Table._write = torn
-elif what:
-    sys.addaudithook(hook)
-if checkpoint.is_there(folder):
-    one_run.resume(folder)
-else:
-    one_run.run(Scene.model_validate_json(scene), folder, overwrite=True, film=bool(film))
-"""
+OFTEN = smallest(output={"checkpoint_s": 0.03})
 
 
 def photographed(folder, monkeypatch):
@@ -88,12 +45,12 @@ def photographed(folder, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(type(folder), "replace", replaced)
         patch.setattr(atomic_write, "sync", lambda file: (seen(file, "sync"), sync(file)))
-        run(SCENE, folder, film=False)
+        run(SMALLEST, folder, film=False)
     assert set(copies) == set(moments.values()), counts
     return copies
 
 
-def test_whatever_write_a_death_falls_into_the_run_goes_on_to_the_same_end(tmp_path, whole, monkeypatch, tried):
+def test_whatever_write_a_death_falls_into_the_run_goes_on_to_the_same_end(quick, tmp_path, whole, monkeypatch, tried):
     copies = photographed(tmp_path / "run", monkeypatch)
     first = copies.pop("before the first checkpoint has its name")
     assert not checkpoint.is_there(first), "it had hardly begun, and begins again"
@@ -107,6 +64,33 @@ def test_whatever_write_a_death_falls_into_the_run_goes_on_to_the_same_end(tmp_p
         resume(copy)
         assert_same(copy, whole)
     tried("faults survived", "death of the process within a write", len(copies))
+
+
+def test_a_run_that_is_killed_and_then_stopped_loses_nothing(tmp_path, whole):
+    folder = tmp_path / "run"
+    for number in (signal.SIGKILL, signal.SIGTERM):
+        before, end = written(folder), time.monotonic() + 120.0
+        process = child(folder, OFTEN)
+        while written(folder) == before:  # then it steps
+            assert process.poll() is None and time.monotonic() < end, process.stderr.read()
+            time.sleep(0.002)
+        process.send_signal(number)
+        words = process.communicate(timeout=60)[1]
+        assert process.returncode == (-9 if number == signal.SIGKILL else 128 + number), words
+        if number != signal.SIGKILL:
+            assert words.startswith("Error: stopped at t = 0.")
+            assert f"`taichi-silo resume {folder}` goes on from there" in words
+        assert "Traceback" not in words
+        assert checkpoint.latest(folder)[1] == [], "whatever ends it leaves no damaged checkpoint"
+    resume(folder)
+    assert_same(folder, whole)
+    assert not (folder / file_lock.NAME).exists()
+
+
+def written(folder):
+    """When the last checkpoint was."""
+    file = folder / checkpoint.NAME
+    return file.stat().st_mtime_ns if file.exists() else 0
 
 
 KILLS, CHAIN = 50, 5
@@ -124,7 +108,7 @@ def test_fifty_kills_at_random_moments_and_writes_lose_nothing(tmp_path_factory,
     place = tmp_path_factory.mktemp("kills")
     for film in ("", "film"):
         wholes[film] = place / f"whole{film}"
-        assert kill(wholes[film], film, "", 0, 0.0) == 0
+        assert kill(wholes[film], film) == 0
     chain = 0
     while sum(done.values()) < KILLS:
         film, folder, told = "film" * (chain % 3 == 2), place / f"run{chain}", f"seed {seed}, chain {chain}"
@@ -138,7 +122,7 @@ def test_fifty_kills_at_random_moments_and_writes_lose_nothing(tmp_path_factory,
             done[what] += code == -9
             if (folder / "forces.csv").exists():
                 assert_sound(folder, wholes[film])
-        code = kill(folder, film, "", 0, 0.0)
+        code = kill(folder, film)
         assert code == 0, told
         assert_same(folder, wholes[film])
         if film:
@@ -148,15 +132,12 @@ def test_fifty_kills_at_random_moments_and_writes_lose_nothing(tmp_path_factory,
     tried("faults survived", "kill -9 at a random moment or within a write", sum(done.values()))
 
 
-def kill(folder, film, what, count, delay):
+def kill(folder, film, what="", count=0, delay=0.0):
     """Run until it is killed, or ends; the exit code."""
-    words = [OFTEN.model_dump_json(), str(folder), film, what, str(count), str(delay)]
-    done = subprocess.run(
-        [sys.executable, "-c", CHILD, *words], capture_output=True, text=True,
-        env=os.environ | {"PYTHONPATH": str(ROOT)}, timeout=300,
-    )  # fmt: skip
-    assert done.returncode <= 0, done.stderr
-    return done.returncode
+    process = child(folder, OFTEN, film=bool(film), figures=True, dies=[what, count, delay])
+    words = process.communicate(timeout=300)[1]
+    assert process.returncode <= 0, words
+    return process.returncode
 
 
 def frames(folder):

@@ -18,8 +18,8 @@ from taichi_silo.show.film import movie
 from taichi_silo.studies.sweep import table
 from taichi_silo.utils import atomic_write
 from tests import made_up
-from tests.faults.machine import Disk, command, files_end_at
-from tests.faults.tiny import SCENE, assert_readable, assert_same, assert_sound, files
+from tests.faults.harness import Disk, assert_readable, assert_same, assert_sound, contents, failed, files_end_at
+from tests.smallest import SMALLEST
 
 FULL = "cannot be written: File too large; raise the limit of a file's size"
 MIDWAY = ("forces.csv", "balance.csv", "film_*.vtu", "index.csv")  # while it fills and flows, in this order
@@ -27,7 +27,7 @@ AT_THE_END = ("walls.csv", "summary.json", "forces.png", "run.toml")
 
 
 @pytest.fixture(autouse=True, scope="module")
-def one_figure():
+def one_figure(quick):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(figures, "RUN_FIGURES", {"forces": figures.RUN_FIGURES["forces"]})
         yield
@@ -61,16 +61,16 @@ def full_at(pattern, after=0):
 def test_every_file_of_a_run_may_find_the_disk_full(tmp_path, whole, monkeypatch, capsys, tried):
     folder = tmp_path / "run"
     with full_at(MIDWAY[0], after=15), pytest.raises(MachineFailed, match=f"^stopped at t = .*forces.csv {FULL}, then"):
-        run(SCENE, folder, film=False)
+        run(SMALLEST, folder, film=False)
     for pattern, after in [*((name, 4) for name in MIDWAY[1:]), *((name, 0) for name in AT_THE_END)]:
-        assert not [name for name in files(folder) if ".part" in name]
+        assert not [name for name in contents(folder) if ".part" in name]
         assert_sound(folder, whole)
         assert (folder / "forces.csv").read_bytes().endswith(b"\n")
         monkeypatch.setattr(session._Session, "_draw", lambda self, pattern=pattern: (
             figures.plot_run(self.folder) if pattern.endswith(".png") else None))  # fmt: skip
         after = 1 if pattern == "run.toml" else after
         with full_at(pattern, after):
-            code, err = command(monkeypatch, capsys, "resume", folder, "--quiet")
+            code, err = failed(monkeypatch, capsys, "resume", folder, "--quiet")
         assert code == 1
         assert err.startswith("Error: stopped at t = 0.") and err.count(". ") == 0
         assert err.endswith(f"{FULL}, then `taichi-silo resume {folder}` goes on from its last checkpoint.")
@@ -84,13 +84,13 @@ def test_every_file_of_a_run_may_find_the_disk_full(tmp_path, whole, monkeypatch
 def test_without_room_for_a_checkpoint_the_run_ends_and_without_any_it_begins_again(tmp_path, whole, tried):
     folder = tmp_path / "run"
     with full_at("checkpoint.npz"):
-        run(SCENE, folder, film=False)
+        run(SMALLEST, folder, film=False)
     (words,) = json.loads((folder / "summary.json").read_text())["warnings"]
     assert words.startswith(f"{folder / 'checkpoint.npz'} could not be written (File too large)")
     assert not checkpoint.is_there(folder)
     assert_same(folder, whole, but=("checkpoint.npz", "checkpoint.previous.npz"))
     with files_end_at(1000), pytest.raises(MachineFailed, match="then begin again$"):
-        run(SCENE, tmp_path / "second", film=False)
+        run(SMALLEST, tmp_path / "second", film=False)
     tried("faults survived", "disk full while a checkpoint is written", 2)
 
 
@@ -116,15 +116,15 @@ def left(tmp_path_factory):
     ids=lambda words: words[0] + words[-1].rpartition("}")[2],
 )  # fmt: skip
 def test_other_commands_say_so_and_leave_what_was_there(words, left, tmp_path, monkeypatch, capsys, tried):
-    before = {name: (left / name).read_bytes() for name in files(left)}
+    before = contents(left)
     out = tmp_path / "out"
     with files_end_at(500):
-        code, err = command(monkeypatch, capsys, *(word.format(run=left, out=out) for word in words), "--quiet")
+        code, err = failed(monkeypatch, capsys, *(word.format(run=left, out=out) for word in words), "--quiet")
     assert code == 1 and err.startswith(f"Error: {out}"), err
     assert "File too large" in err or "ffmpeg" in err
     assert err.endswith(", and give the command again.")
-    assert not out.exists() or not files(out)
-    assert {name: (left / name).read_bytes() for name in files(left)} == before
+    assert not out.exists() or not contents(out)
+    assert contents(left) == before
     tried("faults survived", "disk full while a command writes")
 
 
@@ -135,7 +135,7 @@ def test_the_table_of_a_sweep_stays_as_it_was(tmp_path, tried):
     before = file.read_bytes()
     with files_end_at(200), pytest.raises(OSError, match="File too large.*sweep.csv"):
         table.leave(file, rows)
-    assert files(tmp_path) == {"sweep.csv"} and file.read_bytes() == before
+    assert contents(tmp_path) == {"sweep.csv": before}
     tried("faults survived", "disk full while a command writes")
 
 
@@ -145,14 +145,14 @@ def test_a_small_disk_that_is_full_sooner_or_later(film, tmp_path, whole, monkey
     """The space ends at twenty different amounts; afterwards there is more."""
     monkeypatch.setattr(movie, "FILLING_FRAMES", 4)
     monkeypatch.setattr(movie, "FLOW_FRAMES", 8)
-    with_film = run(SCENE, tmp_path / "whole", film=film)
-    needed, ends = sum((with_film / name).stat().st_size for name in files(with_film)), 0
+    with_film = run(SMALLEST, tmp_path / "whole", film=film)
+    needed, ends = sum(map(len, contents(with_film).values())), 0
     for part in range(1, 11 if film else 21):
         size = int(needed * part / (11 if film else 21)) // 4096 * 4096
         with Disk(tmp_path / f"disk-{part}", size) as disk:
             folder = disk.place / "run"
             try:
-                run(SCENE, folder, film=film)
+                run(SMALLEST, folder, film=film)
                 assert "could not be written (No space left" in (folder / "summary.json").read_text()
             except MachineFailed as error:
                 ends += 1
@@ -167,7 +167,7 @@ def test_a_small_disk_that_is_full_sooner_or_later(film, tmp_path, whole, monkey
             if checkpoint.is_there(folder):
                 resume(folder)
             else:
-                run(SCENE, folder, film=film, overwrite=True)
+                run(SMALLEST, folder, film=film, overwrite=True)
             assert_same(folder, with_film, but)
     assert ends > 5
     tried("faults survived", "disk full at an amount of its own", ends)

@@ -10,7 +10,8 @@ from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene, scene_of
 from taichi_silo.simulation.simulation import Simulation
 from tests.faults import bad
-from tests.faults.bad import CIRCLE, SMALL, SQUARE, refusal, turned
+from tests.faults.bad import CIRCLE, SQUARE, refusal, turned
+from tests.smallest import TABLES
 
 STEPS_MOST = 3000
 
@@ -82,7 +83,7 @@ EXTREMES = [  # ends of what is allowed
 
 
 def extreme(changes):
-    tables = bad.changed(SMALL, changes)
+    tables = bad.changed(TABLES, changes)
     if "sand.name" in changes:
         return Scene.model_validate(tables)
     return scene_of(tables)
@@ -121,7 +122,7 @@ def test_what_is_no_scene_is_refused_by_run(scene, tmp_path, tried):
 
 
 def test_a_scene_that_was_changed_without_being_checked_is_refused(tmp_path, tried):
-    good = Scene.model_validate(SMALL)
+    good = Scene.model_validate(TABLES)
     changed = [
         good.model_copy(update={"flow": good.flow.model_copy(update={"speed_m_per_s": -1.0})}),
         good.model_copy(update={"silo": good.silo.model_copy(update={"width_m": 0.21})}),
@@ -139,7 +140,7 @@ def test_a_scene_that_was_changed_without_being_checked_is_refused(tmp_path, tri
 )
 def test_what_is_no_path_is_refused(folder, tmp_path, monkeypatch, tried):
     monkeypatch.chdir(tmp_path)
-    assert refusal(lambda: api.run(Scene.model_validate(SMALL), folder, progress=False))
+    assert refusal(lambda: api.run(Scene.model_validate(TABLES), folder, progress=False))
     assert refusal(lambda: api.resume(folder, progress=False))
     assert refusal(lambda: read_scene(folder))
     assert not list(tmp_path.iterdir())
@@ -147,6 +148,6 @@ def test_what_is_no_path_is_refused(folder, tmp_path, monkeypatch, tried):
 
 
 def test_what_is_no_observer_is_refused(tmp_path, tried):
-    assert refusal(lambda: api.run(SMALL, tmp_path / "run", progress=False, extra=(3,)))
+    assert refusal(lambda: api.run(TABLES, tmp_path / "run", progress=False, extra=(3,)))
     assert not list(tmp_path.iterdir())
     tried("inputs refused", "a call of run with what is no observer")

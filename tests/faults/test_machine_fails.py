@@ -2,9 +2,7 @@
 
 import contextlib
 import json
-import os
 import shutil
-import signal
 import subprocess
 import tempfile
 import time
@@ -14,16 +12,15 @@ import imageio_ffmpeg
 import pytest
 
 from taichi_silo.errors import BadInput, MachineFailed
-from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.session import resume, run
 from taichi_silo.scene import memory_need
 from taichi_silo.scene.scene import Averaging, Mesh
 from taichi_silo.show.film import encoder, movie
 from taichi_silo.studies.sweep.runs import Run
-from tests.faults.machine import Disk, command, nobody
-from tests.faults.tiny import SCENE, assert_readable, assert_same, assert_sound, files
+from tests.faults.harness import At, Disk, assert_readable, assert_same, assert_sound, contents, failed, nobody, send
+from tests.smallest import SMALLEST, smallest
 
-OFTEN = SCENE.model_copy(update={"output": SCENE.output.model_copy(update={"checkpoint_s": 0.02})})
+OFTEN = smallest(output={"checkpoint_s": 0.02})
 FRAMES = (4, 8)
 
 
@@ -33,21 +30,6 @@ def short_films(quick):
         patch.setattr(movie, "FILLING_FRAMES", FRAMES[0])
         patch.setattr(movie, "FLOW_FRAMES", FRAMES[1])
         yield
-
-
-class At(Observer):
-    """Does something after so many records."""
-
-    def __init__(self, records, what):
-        self.left, self.what = records, what
-
-    def begin(self, simulation):
-        self.simulation = simulation
-
-    def observe(self, record):
-        self.left -= 1
-        if self.left == 0:
-            self.what()
 
 
 def test_a_folder_that_is_removed_ends_the_run_soon_and_is_not_made_again(tmp_path, tried):
@@ -91,10 +73,10 @@ def test_a_folder_that_may_not_be_written_any_more_keeps_what_it_has(whole, monk
 
     try:
         with pytest.raises(MachineFailed, match="written: Permission denied; let it be written to, then "), rights:
-            run(SCENE, folder, film=False, extra=(At(20, close),))
+            run(SMALLEST, folder, film=False, extra=(At(20, close),))
         assert_sound(folder, whole)
         with nobody():
-            code, err = command(monkeypatch, capsys, "resume", folder, "--quiet")
+            code, err = failed(monkeypatch, capsys, "resume", folder, "--quiet")
             assert (code, err) == (2, f"Error: output {folder} cannot be written: Permission denied.")
         let(0o755)
         resume(folder)
@@ -107,13 +89,13 @@ def test_a_folder_that_may_not_be_written_any_more_keeps_what_it_has(whole, monk
 @pytest.mark.long
 def test_a_file_system_that_becomes_read_only_keeps_what_it_has(tmp_path, whole, tried):
     with Disk(tmp_path / "disk", 1 << 26) as disk:
-        folder = run(SCENE, disk.place / "run", film=False)
+        folder = run(SMALLEST, disk.place / "run", film=False)
         (folder / "run.toml").write_text((folder / "run.toml").read_text().replace("finished = true", ""))
-        before = {name: (folder / name).read_bytes() for name in files(folder)}
+        before = contents(folder)
         disk.become("ro")
         with pytest.raises(BadInput, match="cannot be written: Read-only file system"):
             resume(folder)
-        assert {name: (folder / name).read_bytes() for name in files(folder)} == before
+        assert contents(folder) == before
         disk.become("rw")
         resume(folder)
         assert_same(folder, whole)
@@ -127,7 +109,7 @@ def test_a_clock_that_jumps_changes_nothing(tmp_path, whole, monkeypatch, tried)
         by = jumps.pop()
         monkeypatch.setattr(time, "time", lambda: now() + by)
 
-    run(SCENE, tmp_path / "run", film=False, extra=tuple(At(number, jump) for number in (5, 30, 50)))
+    run(SMALLEST, tmp_path / "run", film=False, extra=tuple(At(number, jump) for number in (5, 30, 50)))
     assert not jumps
     assert_same(tmp_path / "run", whole)
     tried("faults survived", "clock set forward or back by hours", 3)
@@ -146,7 +128,7 @@ def assert_without_film(folder, whole):
     (words,) = film_warning(folder)
     assert words.endswith(f"; `taichi-silo render {folder} --overwrite` draws it from the snapshots.")
     assert 'film = "ended early"' in (folder / "run.toml").read_text()
-    assert Run(SCENE, folder, film=True).finished, "another attempt would fare no better"
+    assert Run(SMALLEST, folder, film=True).finished, "another attempt would fare no better"
     return words
 
 
@@ -155,10 +137,10 @@ def test_without_ffmpeg_there_is_no_film_but_the_run(tmp_path, whole, monkeypatc
         raise RuntimeError("No ffmpeg exe could be found.")
 
     monkeypatch.setattr(imageio_ffmpeg, "get_ffmpeg_exe", none)
-    run(SCENE, tmp_path / "run")
+    run(SMALLEST, tmp_path / "run")
     assert assert_without_film(tmp_path / "run", whole).startswith("There is no film, because there is no ffmpeg; ")
     monkeypatch.setattr(imageio_ffmpeg, "get_ffmpeg_exe", lambda: str(tmp_path / "gone"))
-    run(SCENE, tmp_path / "second")
+    run(SMALLEST, tmp_path / "second")
     assert "no film, because ffmpeg cannot be started (No such" in assert_without_film(tmp_path / "second", whole)
     tried("faults survived", "ffmpeg missing", 2)
 
@@ -194,9 +176,9 @@ class Killer(At):
 def test_an_ffmpeg_that_dies_costs_the_rest_of_the_film(tmp_path, whole, tried):
     killer, folder = Killer(30), tmp_path / "run"
     with pytest.raises(KeyboardInterrupt):
-        run(SCENE, folder, extra=(At(40, lambda: os.kill(os.getpid(), signal.SIGINT)),))
+        run(SMALLEST, folder, extra=(At(40, send()),))
     with pytest.raises(KeyboardInterrupt):
-        resume(folder, extra=(killer, At(60, lambda: os.kill(os.getpid(), signal.SIGINT))))
+        resume(folder, extra=(killer, At(60, send())))
     resume(folder)
     assert killer.count == 1
     words = assert_without_film(folder, whole)
@@ -214,8 +196,8 @@ def test_an_ffmpeg_that_dies_costs_the_rest_of_the_film(tmp_path, whole, tried):
 
 def test_a_scene_larger_than_the_memory_is_refused_before_any_work(tmp_path, monkeypatch, capsys, tried):
     local = Averaging(characteristic_length_m=0.0)
-    scene = SCENE.model_copy(update={"grid": Mesh(cell_size_m=0.001), "averaging": local})
-    assert memory_need.needed(SCENE) < memory_need.needed(scene) < 2 * memory_need.GIB < memory_need.available()
+    scene = smallest(grid=Mesh(cell_size_m=0.001), averaging=local)
+    assert memory_need.needed(SMALLEST) < memory_need.needed(scene) < 2 * memory_need.GIB < memory_need.available()
     group = tmp_path / "memory.max"
     monkeypatch.setattr(memory_need, "GROUPS", (tmp_path / "none", group))
     group.write_text("max\n")
@@ -225,7 +207,7 @@ def test_a_scene_larger_than_the_memory_is_refused_before_any_work(tmp_path, mon
     with pytest.raises(BadInput, match=r"80,000 points need about 0\.\d+ GiB of memory, and .* at most 0.279 GiB"):
         run(scene, tmp_path / "run", film=False)
     words = ("run", "outlet", "--output", tmp_path / "run", "--cell-size", "0.0005", "--quiet")
-    code, err = command(monkeypatch, capsys, *words)
+    code, err = failed(monkeypatch, capsys, *words)
     assert code == 2 and "points need about" in err
     assert not (tmp_path / "run").exists()
     tried("faults survived", "memory that does not suffice", 2)
@@ -239,7 +221,7 @@ def refused_by_the_card():
 def test_memory_that_runs_out_midway_ends_with_a_sentence_and_the_run_goes_on(take, tmp_path, whole, tried):
     folder = tmp_path / "run"
     with pytest.raises(MachineFailed, match=r"^stopped at t = 0.* because memory has run out; leave it more memory"):
-        run(SCENE, folder, film=False, extra=(At(70, take),))
+        run(SMALLEST, folder, film=False, extra=(At(70, take),))
     assert_sound(folder, whole)
     resume(folder)
     assert_same(folder, whole)

@@ -16,7 +16,9 @@ from taichi_silo.studies.sweep.plan import Sweep
 from taichi_silo.studies.sweep.study import Study
 from taichi_silo.studies.sweep.variations import variation
 from taichi_silo.utils.console import Console
-from tests.faults.bad import SCENE, command, contents, refusal, refused
+from tests.faults.bad import refusal, refused
+from tests.faults.harness import command, contents
+from tests.smallest import SMALLEST
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="links need rights of their own on Windows")
 FILES = (
@@ -63,7 +65,7 @@ def test_a_link_in_the_folder_of_a_run_is_refused(name, left, outside, tried):
 def test_neither_a_run_nor_its_resumption_writes_through_a_link(name, left, outside, tried):
     link, before = linked(left, name, outside), contents(outside)
     inside = contents(left)
-    for attempt in (lambda: run(SCENE, left, overwrite=True, film=False), lambda: resume(left)):
+    for attempt in (lambda: run(SMALLEST, left, overwrite=True, film=False), lambda: resume(left)):
         words = refusal(attempt)
         assert words is not None and str(link) in words and "is a link" in words
     assert contents(outside) == before and contents(left) == inside
@@ -79,7 +81,7 @@ def test_a_link_to_nothing_is_not_written_through_either(left, outside):
 
 def test_a_pipe_or_a_file_in_the_place_of_a_folder_is_refused(left, tried):
     os.mkfifo(left / "curve.csv")
-    assert "no file or folder" in refusal(lambda: run(SCENE, left, overwrite=True, film=False))
+    assert "no file or folder" in refusal(lambda: run(SMALLEST, left, overwrite=True, film=False))
     (left / "curve.csv").unlink()
     shutil.rmtree(left / "snapshots")
     (left / "snapshots").write_text("")
@@ -198,7 +200,7 @@ def test_a_scene_called_by_the_parent_folder_does_not_run_there(tmp_path, monkey
 def test_an_output_where_nothing_can_be_written_is_refused(output, tmp_path, monkeypatch, tried):
     monkeypatch.chdir(tmp_path)
     Path("file").write_text("in the way")
-    assert refusal(lambda: api.run(SCENE, output, progress=False)) is not None
+    assert refusal(lambda: api.run(SMALLEST, output, progress=False)) is not None
     assert [one.name for one in tmp_path.iterdir()] == ["file"]
     tried("inputs refused", "an output where nothing can be written")
 

@@ -1,46 +1,25 @@
 """The same scene gives the same curves: byte by byte on one machine, to round-off where sums are added otherwise."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, Walls
-from taichi_silo.runs import session
+from taichi_silo import Scene, Walls
 from taichi_silo.runs.session import run
+from tests.faults.harness import child
+from tests.smallest import smallest
 
-pytestmark = pytest.mark.usefixtures("all_cores")
-ROOT = Path(__file__).parents[2]
+pytestmark = pytest.mark.usefixtures("all_cores", "bare")
 CURVES = ("forces.csv", "balance.csv", "walls.csv")
 ROUND_OFF = 1e-9  # of the largest value of a curve: what runs may differ by that add the same numbers in another order
-CHILD = """
-import sys
-from pathlib import Path
-from taichi_silo import Scene, one_run
-one_run._Session._draw = lambda self: None
-one_run.run(Scene.model_validate_json(sys.argv[1]), Path(sys.argv[2]), film=False)
-"""
-
-
-@pytest.fixture(autouse=True, scope="module")
-def bare():
-    """Figures take longer than these runs."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(session._Session, "_draw", lambda self: None)
-        yield
 
 
 def scene(lanes: bool, threads: int = 1) -> Scene:
     """With lanes, which is how runs go if they can, or with the plain loop."""
-    return Scene(
-        silo=Silo(height_m=0.4), walls=Walls(kind="smooth", friction_angle_deg=19.0), grid=Mesh(cell_size_m=0.05),
-        flow=Flow(speed_m_per_s=0.05, displacement_m=0.003), method=Method(filling_time_s=0.1, longest_settling_s=0.0),
-        machine=Machine(threads=threads, lanes=lanes),
-    )  # fmt: skip
+    smooth = Walls(kind="smooth", friction_angle_deg=19.0)
+    return smallest(walls=smooth, machine={"threads": threads, "lanes": lanes})
 
 
 @pytest.fixture(scope="module")
@@ -72,8 +51,8 @@ def test_a_scene_run_again_gives_the_same_bytes(threads, runs, tmp_path, tried):
 
 
 def test_another_process_gives_the_same_bytes(runs, tmp_path, tried):
-    command = [sys.executable, "-c", CHILD, scene(True).model_dump_json(), str(tmp_path / "again")]
-    subprocess.run(command, check=True, capture_output=True, cwd=ROOT, env=os.environ | {"PYTHONPATH": str(ROOT)})
+    process = child(tmp_path / "again", scene(True))
+    assert process.communicate(timeout=300) and process.returncode == 0
     assert_equal(tmp_path / "again", runs(True))
     tried("loads held", "run repeated byte by byte in another process")
 

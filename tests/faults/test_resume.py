@@ -4,10 +4,7 @@ While a run goes on, a checkpoint is written at chosen moments, and some records
 at that moment would leave it. The copies are gone on with, and must become the folder of the run.
 """
 
-import json
-import os
 import shutil
-import signal
 import subprocess
 
 import imageio_ffmpeg
@@ -16,13 +13,14 @@ import pytest
 
 from taichi_silo.errors import Stopped
 from taichi_silo.runs import session
-from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.observers.checkpoint import Checkpoint
 from taichi_silo.runs.session import resume, run
 from taichi_silo.scene.scene import Averaging, Filling, Flow, Machine, Mesh, Method, Output, Scene, Silo, Walls
 from taichi_silo.scene.silo import Hopper, Outlet
 from taichi_silo.show.film import movie
+from tests.faults.harness import At, assert_same, send
 
+pytestmark = pytest.mark.usefixtures("bare")
 SMOOTH, ROUGH = Walls(kind="smooth", friction_angle_deg=19.0), Walls(kind="very-rough")
 LOW = Silo(height_m=0.4)
 FLOW, FAST = Flow(speed_m_per_s=0.05, displacement_m=0.002), Flow(speed_m_per_s=0.5, displacement_m=0.16)
@@ -80,8 +78,10 @@ SCENES = {  # and the moments
         (half_filled,),
     ),
 }  # fmt: skip
-OFTEN = {("very rough walls", 2, False), ("very rough walls", 2, True)}  # the others with `make test-long`
-OFTEN |= {(name, 1, False) for name in SCENES if name != "very rough walls"}
+OFTEN = {  # name, threads, lanes; the others with `make test-long`
+    ("very rough walls", 2, True), ("half of smooth walls", 1, True), ("free outflow", 1, True),
+    ("rain, affine", 1, False),
+}  # fmt: skip
 CASES = [
     pytest.param(
         name, threads, lanes, id=f"{name}, {threads} threads, {'lanes' if lanes else 'plain'}",
@@ -89,12 +89,6 @@ CASES = [
     )
     for name in SCENES for threads in (1, 2) for lanes in (False, True) if not (lanes and "affine" in name)
 ]  # fmt: skip
-
-
-@pytest.fixture(autouse=True)
-def bare(monkeypatch):
-    """Figures take longer than these runs."""
-    monkeypatch.setattr(session._Session, "_draw", lambda self: None)
 
 
 def photographed(one, folder, moments, monkeypatch, film=False):
@@ -122,22 +116,6 @@ def photographed(one, folder, moments, monkeypatch, film=False):
     return copies.values()
 
 
-def assert_same(one, other, but=()):
-    """All files of two folders, less their clocks."""
-    ours, theirs = ({str(file.relative_to(place)) for file in place.rglob("*")} for place in (one, other))
-    assert ours == theirs
-    assert {"forces.csv", "balance.csv", "walls.csv", "snapshots/filled.vtu", "snapshots/index.csv"} <= ours
-    for name in ours - {"run.toml", "run.log", "summary.json", "checkpoint.npz", "checkpoint.previous.npz", *but}:
-        if (one / name).is_file():
-            assert (one / name).read_bytes() == (other / name).read_bytes(), name
-    summaries = [json.loads((place / "summary.json").read_text()) for place in (one, other)]
-    for summary in summaries:
-        assert summary["finished"]
-        for clock in ("seconds", "wall_seconds", "particle_steps_per_second"):
-            del summary["cost"][clock]
-    assert summaries[0] == summaries[1]
-
-
 @pytest.mark.parametrize(("name", "threads", "lanes"), CASES)
 def test_a_run_that_was_killed_becomes_the_run_that_was_not(
     name, threads, lanes, tmp_path, monkeypatch, request, tried
@@ -151,18 +129,6 @@ def test_a_run_that_was_killed_becomes_the_run_that_was_not(
         resume(copy)
         assert_same(copy, tmp_path / "whole")
         tried("faults survived", f"run killed, goes on bit by bit the same on {threads} thread{'s' * (threads > 1)}")
-
-
-class Presser(Observer):
-    """Presses Ctrl-C after so many records."""
-
-    def __init__(self, records):
-        self.left = records
-
-    def observe(self, record):
-        self.left -= 1
-        if self.left == 0:
-            os.kill(os.getpid(), signal.SIGINT)
 
 
 def frames(file):
@@ -184,7 +150,7 @@ def test_the_film_of_a_run_that_was_stopped_and_killed_has_every_frame_once(tmp_
     resume(killed)
     stopped = tmp_path / "stopped"
     with pytest.raises(Stopped, match=r"stopped at t = 0\.\d+ s \(filling, u = 0\.000 mm\); `taichi-silo resume"):
-        run(one, stopped, extra=(Presser(40),))
+        run(one, stopped, extra=(At(40, send()),))
     assert len(frames(stopped / "void_ratio.mp4")[0]) > 2, "what there is can be seen"
     resume(stopped)
     times, pictures = frames(tmp_path / "whole" / "void_ratio.mp4")

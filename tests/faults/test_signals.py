@@ -2,46 +2,24 @@
 
 import os
 import signal
-import time
+import subprocess
+import sys
 
 import pytest
 
-from taichi_silo.errors import Stopped
+from taichi_silo.errors import BadInput, Stopped
 from taichi_silo.runs import session
-from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.session import resume, run
 from taichi_silo.utils import checked_npz, file_lock
-from tests.faults.machine import command
-from tests.faults.tiny import SCENE, assert_same, assert_sound, files
+from tests.faults.harness import ROOT, At, assert_same, assert_sound, contents, failed, send
+from tests.smallest import SMALLEST
 
 BOTH = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["Ctrl-C", "SIGTERM"])
 
 
-def send(number):
-    os.kill(os.getpid(), number)
-    time.sleep(0)  # Python hears it between two of its instructions
-
-
-class Sender(Observer):
-    """Sends signals after so many records of a stage, and when the run ends."""
-
-    def __init__(self, number, stage="filling", records=5, times=1, at_end=0):
-        self.number, self.stage, self.left, self.times, self.at_end = number, stage, records, times, at_end
-
-    def observe(self, record):
-        self.left -= record.stage == self.stage
-        if self.left == 0 and record.stage == self.stage:
-            for _ in range(self.times):
-                send(self.number)
-
-    def end(self):
-        for _ in range(self.at_end):
-            send(self.number)
-
-
 def stopped(number, folder, **how):
     with pytest.raises(Stopped) as caught:
-        run(SCENE, folder, film=False, **how)
+        run(SMALLEST, folder, film=False, **how)
     assert caught.value.code == 128 + number
     assert not (folder / file_lock.NAME).exists()
     return str(caught.value)
@@ -52,24 +30,23 @@ def test_while_it_compiles_nothing_has_begun_and_nothing_is_lost(number, tmp_pat
     begin = session.Simulation
 
     def compiling(scene):
-        send(number)
+        send(number)()
         raise AssertionError("it went on")
 
     monkeypatch.setattr(session, "Simulation", compiling)
     assert stopped(number, tmp_path / "run") == session.BEFORE
-    assert not files(tmp_path / "run")
+    assert not contents(tmp_path / "run")
     again = tmp_path / "again"
     with monkeypatch.context() as patch:
         patch.setattr(session, "Simulation", begin)
-        stopped(number, again, extra=(Sender(number),))
-    before = {name: (again / name).read_bytes() for name in files(again)}
-    code, err = command(monkeypatch, capsys, "resume", again, "--quiet")
+        stopped(number, again, extra=(At(5, send(number)),))
+    before = contents(again)
+    code, err = failed(monkeypatch, capsys, "resume", again, "--quiet")
     assert code == 128 + number and err.startswith("Error: stopped before the run went on; nothing has changed")
-    assert {name: (again / name).read_bytes() for name in files(again)} == before
-    stopped_over = {name: (again / name).read_bytes() for name in files(again)}
+    assert contents(again) == before
     with pytest.raises(Stopped):
-        run(SCENE, again, film=False, overwrite=True)
-    assert {name: (again / name).read_bytes() for name in files(again)} == stopped_over, "it is not yet replaced"
+        run(SMALLEST, again, film=False, overwrite=True)
+    assert contents(again) == before, "it is not yet replaced"
     tried("faults survived", "stopped while it compiles", 3)
 
 
@@ -78,10 +55,10 @@ def test_while_it_compiles_nothing_has_begun_and_nothing_is_lost(number, tmp_pat
 @pytest.mark.parametrize("times", [1, 3], ids=["once", "three times"])
 def test_while_it_fills_or_flows(number, stage, times, tmp_path, whole, tried):
     folder = tmp_path / "run"
-    words = stopped(number, folder, extra=(Sender(number, stage, times=times, at_end=times - 1),))
+    words = stopped(number, folder, extra=(At(5, send(number, times), stage, at_end=send(number, times - 1)),))
     assert words.startswith("stopped at t = 0.") and f"({stage}, u = " in words
     assert words.endswith(f"`taichi-silo resume {folder}` goes on from there")
-    assert {"summary.json", "walls.csv", "run.toml", "checkpoint.npz"} <= files(folder)
+    assert {"summary.json", "walls.csv", "run.toml", "checkpoint.npz"} <= contents(folder).keys()
     assert_sound(folder, whole)
     resume(folder)
     assert_same(folder, whole)
@@ -96,7 +73,7 @@ def test_while_a_checkpoint_is_written_it_is_written_whole(number, tmp_path, who
         nonlocal count
         count += 1
         if count == 2:
-            send(number)
+            send(number)()
         write(file, tree)
 
     monkeypatch.setattr(checked_npz, "write", interrupted)
@@ -112,7 +89,7 @@ def test_while_figures_are_drawn_the_rest_is_there(number, tmp_path, whole, monk
     folder = tmp_path / "run"
 
     def drawing(self):
-        send(number)
+        send(number)()
         raise AssertionError("it went on")
 
     with monkeypatch.context() as patch:
@@ -129,10 +106,10 @@ def test_a_second_one_leaves_the_figures_out_and_nothing_else(number, tmp_path, 
     folder, drawn = tmp_path / "run", []
     with monkeypatch.context() as patch:
         patch.setattr(session._Session, "_draw", lambda self: drawn.append(self))
-        stopped(number, folder, extra=(Sender(number),))
-        stopped(number, folder, overwrite=True, extra=(Sender(number, at_end=1),))
+        stopped(number, folder, extra=(At(5, send(number)),))
+        stopped(number, folder, overwrite=True, extra=(At(5, send(number), at_end=send(number)),))
         assert len(drawn) == 1
-        stopped(number, folder, overwrite=True, extra=(Sender(number, records=-1, at_end=1),))
+        stopped(number, folder, overwrite=True, extra=(At(-1, send(number), at_end=send(number)),))
         assert len(drawn) == 1
     resume(folder)
     assert_same(folder, whole)
@@ -140,6 +117,26 @@ def test_a_second_one_leaves_the_figures_out_and_nothing_else(number, tmp_path, 
 
 
 # --- others -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_second_run_in_the_same_folder_is_refused_until_the_first_is_gone(left):
+    program = "import sys; from pathlib import Path; from taichi_silo.utils import file_lock\n"
+    program += "with file_lock.held(Path(sys.argv[1])): print('held', flush=True); input()"
+    holder = subprocess.Popen(
+        [sys.executable, "-c", program, left], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT
+    )
+    assert holder.stdout.readline() == "held\n"
+    before = contents(left)
+    for attempt in (lambda: resume(left), lambda: run(SMALLEST, left, overwrite=True, film=False)):
+        with pytest.raises(BadInput, match=rf"in use by another run \(process {holder.pid}\)"):
+            attempt()
+    assert contents(left) == before
+    holder.kill()
+    holder.wait()
+    assert (left / file_lock.NAME).exists(), "what is left of it is in nobody's way"
+    with file_lock.held(left):
+        pass
+    assert not (left / file_lock.NAME).exists()
 
 
 class Runner:
@@ -173,9 +170,9 @@ def test_of_eight_that_start_at_one_instant_exactly_one_runs(quick, tmp_path, mo
                     os.close(open_gate)
                     os.close(let_go)
                     os.read(gate, 1)
-                    run(SCENE, folder, film=False)
+                    run(SMALLEST, folder, film=False)
                     said = b""
-                except session.BadInput as error:
+                except BadInput as error:
                     busy = ("in use by another run", "holds a run already")
                     said = b"B" if any(words in str(error) for words in busy) else b"W"
                 finally:

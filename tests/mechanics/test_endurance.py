@@ -4,20 +4,13 @@ import pytest
 
 from benchmarks import endurance
 from taichi_silo.mpm import runtime
-from taichi_silo.runs import session
 from taichi_silo.runs.observers import Observer, wall_profiles
 from taichi_silo.runs.observers.checkpoint import Checkpoint
 from taichi_silo.runs.session import run
 from taichi_silo.scene.scene import Flow, Output
-from tests.faults import tiny
+from tests.smallest import smallest
 
-
-@pytest.fixture(autouse=True, scope="module")
-def bare():
-    """Figures take longer than these runs."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(session._Session, "_draw", lambda self: None)
-        yield
+pytestmark = pytest.mark.usefixtures("bare")
 
 
 def test_a_silo_that_is_emptied_by_gravity_fills_again_bit_by_bit_alike(tried):
@@ -52,7 +45,7 @@ def test_what_is_kept_of_a_run_does_not_grow_with_its_records(tmp_path, monkeypa
     monkeypatch.setattr(Checkpoint, "begin", lambda self, s: setattr(sizes, "checkpoint", self) or begin(self, s))
     monkeypatch.setattr(wall_profiles, "MOST_BLOCKS", 2)
     changed = {"output": Output(snapshots=1), "flow": Flow(speed_m_per_s=0.02, displacement_m=0.03)}
-    run(tiny.SCENE.model_copy(update=changed), tmp_path / "run", film=False, extra=(sizes,))
+    run(smallest(**changed), tmp_path / "run", film=False, extra=(sizes,))
     assert len(sizes.bytes) > 12, "whole blocks of profiles"
     assert max(sizes.bytes[6:]) < 1.03 * max(sizes.bytes[:6])
 
