@@ -10,6 +10,8 @@ import sys
 import time
 from pathlib import Path
 
+import meshio
+import numpy as np
 import pytest
 
 from taichi_silo.cli import app
@@ -179,3 +181,19 @@ def assert_readable(folder: Path) -> None:
         json.loads((folder / "summary.json").read_text())
     for file in folder.rglob("*.png"):
         assert file.read_bytes().endswith(b"IEND\xaeB`\x82"), file
+
+
+def assert_finite(folder: Path) -> None:
+    """No file of a run holds a number that is none, except where a profile has no value by its nature."""
+    for file in folder.rglob("*"):
+        if file.suffix in (".json", ".toml", ".csv"):
+            words = file.read_text().lower().replace(",", " ").replace(":", " ").split()
+            assert not {"nan", "-nan", "inf", "-inf", "infinity"} & set(words), file
+        if file.suffix == ".vtu":
+            mesh = meshio.read(file)
+            assert np.isfinite(mesh.points).all(), file
+            assert all(np.isfinite(values).all() for values in mesh.point_data.values()), file
+        if file.suffix == ".npz":
+            with np.load(file) as state:
+                numbers = [state[name] for name in state.files if state[name].dtype.kind == "f"]
+            assert all(np.isfinite(values).all() for values in numbers), file

@@ -1,10 +1,7 @@
 """A run that goes wrong stops with time, place and cause, and keeps everything up to then."""
 
 import json
-import os
-import signal
 
-import meshio
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,6 +9,7 @@ import pytest
 from taichi_silo import Flow, Machine, Mesh, Method, RunFailed, Scene, Silo, Walls, run
 from taichi_silo.runs.observers import Observer
 from taichi_silo.utils import checked_npz
+from tests.faults.harness import assert_finite
 
 SCENE = Scene(
     grid=Mesh(cell_size_m=0.05), flow=Flow(speed_m_per_s=0.02, displacement_m=0.004), method=Method(filling_time_s=0.2)
@@ -45,46 +43,8 @@ def fails(folder, scene=SCENE, extra=()):
     assert summary["failure"] == str(caught.value)
     assert len(forces) > 3
     assert np.isfinite(forces.drop(columns="stage")).all(axis=None)
-    assert_no_nan_in(folder)
+    assert_finite(folder)
     return str(caught.value)
-
-
-def assert_no_nan_in(folder):
-    """No file of a run holds a number that is none, except where a profile has no value by its nature."""
-    for file in folder.rglob("*"):
-        if file.suffix in (".json", ".toml", ".csv"):
-            words = file.read_text().lower().replace(",", " ").replace(":", " ").split()
-            assert not {"nan", "-nan", "inf", "-inf", "infinity"} & set(words), file
-        if file.suffix == ".vtu":
-            mesh = meshio.read(file)
-            assert np.isfinite(mesh.points).all(), file
-            assert all(np.isfinite(values).all() for values in mesh.point_data.values()), file
-        if file.suffix == ".npz":
-            with np.load(file) as state:
-                numbers = [state[name] for name in state.files if state[name].dtype.kind == "f"]
-            assert all(np.isfinite(values).all() for values in numbers), file
-
-
-def test_a_nan_is_found_at_once(tmp_path):
-    message = fails(tmp_path / "run", extra=(Saboteur(0.1, stress=np.nan),))
-    assert "t = 0.1" in message
-    assert "points left the silo or are not finite" in message
-
-
-def test_a_point_outside_is_found_and_does_not_crash_the_process(tmp_path):
-    message = fails(tmp_path / "run", extra=(Saboteur(0.1, position=[5.0, -3.0]),))
-    assert "x = 5000" in message
-
-
-def test_a_time_step_above_the_stable_one_is_refused_before_the_sand_explodes(tmp_path):
-    scene = SCENE.model_copy(update={"method": Method(filling_time_s=0.2, time_step_s=1e-3)})
-    message = fails(tmp_path / "run", scene)
-    assert "is above 1.5 times the stable one of" in message
-
-
-def test_sand_denser_than_any_packing_is_found(tmp_path):
-    message = fails(tmp_path / "run", extra=(Saboteur(0.1, volume=0.0025 * 1.40 / 1.60),))
-    assert "void ratio falls to 0.4" in message
 
 
 def test_a_failure_at_the_very_start_of_the_flow_keeps_the_filling(tmp_path):
@@ -110,7 +70,7 @@ def test_the_smoothing_filter_lets_sand_creep_until_the_guard_says_so(tmp_path):
     assert any("no projection" in sentence for sentence in summary["warnings"])
 
 
-def test_the_null_space_filter_does_not(tmp_path):
+def test_the_null_space_filter_does_not(tmp_path, bare):
     run(smooth_silo("null-space"), tmp_path / "run", film=False)
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert summary["finished"]
@@ -118,7 +78,8 @@ def test_the_null_space_filter_does_not(tmp_path):
     assert abs(summary["certificate"]["mean_void_ratio_drift"]) < 0.003
 
 
-def test_a_slender_silo_whose_sand_ratchets_is_noticed_while_it_runs(tmp_path):
+@pytest.mark.long
+def test_a_slender_silo_whose_sand_ratchets_is_noticed_while_it_runs(tmp_path, bare):
     """Its forces look fine; void ratio without shear tells."""
     scene = Scene(
         silo=Silo(width_m=0.02, height_m=0.5),
@@ -131,24 +92,7 @@ def test_a_slender_silo_whose_sand_ratchets_is_noticed_while_it_runs(tmp_path):
     assert "ratcheting" in ratcheting and "slender" in ratcheting
 
 
-class Interrupter(Observer):
-    """Presses Ctrl-C."""
-
-    def observe(self, record):
-        if record.time_s > 0.1:
-            os.kill(os.getpid(), signal.SIGINT)
-
-
-def test_ctrl_c_stops_between_two_intervals_and_keeps_everything(tmp_path):
-    with pytest.raises(KeyboardInterrupt):
-        run(SCENE, tmp_path / "run", film=False, extra=(Interrupter(),))
-    forces = pd.read_csv(tmp_path / "run" / "forces.csv")
-    _, kept = checked_npz.read(tmp_path / "run" / "checkpoint.npz")
-    assert kept["simulation"]["clock"]["time"] == pytest.approx(forces.time_s.iloc[-1])
-    assert "stopped at t = 0.1" in json.loads((tmp_path / "run" / "summary.json").read_text())["failure"]
-
-
-def test_overwriting_leaves_nothing_of_the_earlier_run(tmp_path):
+def test_overwriting_leaves_nothing_of_the_earlier_run(tmp_path, bare):
     folder = tmp_path / "run"
     (folder / "snapshots").mkdir(parents=True)
     for name in ("run.toml", "void_ratio.mp4", "summary.json", "snapshots/old.vtu"):
@@ -167,11 +111,14 @@ def test_overwriting_leaves_nothing_of_the_earlier_run(tmp_path):
         {"flow": {"speed_m_per_s": 0.3, "displacement_m": 0.002}},
         {"flow": {"speed_m_per_s": 0.02, "displacement_m": 1e-7}},
         {"flow": {"speed_m_per_s": 0.1, "displacement_m": 0.08}},
-        {"grid": {"cell_size_m": 0.05, "points_per_cell": 4}},
-        {"method": {"noise_control": "none", "filling_time_s": 0.2, "longest_settling_s": 0.1}},
+        pytest.param({"grid": {"cell_size_m": 0.05, "points_per_cell": 4}}, marks=pytest.mark.long),
+        pytest.param(
+            {"method": {"noise_control": "none", "filling_time_s": 0.2, "longest_settling_s": 0.1}},
+            marks=pytest.mark.long,
+        ),
     ],
     ids=["two by two cells", "ends in the ramp", "one interval", "sand hangs far above", "four points", "no control"],
 )
-def test_extreme_scenes_end_well(tmp_path, changes):
+def test_extreme_scenes_end_well(tmp_path, bare, changes):
     run(Scene.model_validate(SCENE.model_dump() | changes), tmp_path / "run", film=False)
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["finished"]

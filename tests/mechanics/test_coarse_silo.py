@@ -139,6 +139,7 @@ def test_sand_between_smooth_walls_neither_ratchets_nor_creeps(histories):
         assert path < 2e-4
 
 
+@pytest.mark.long
 def test_without_noise_control_it_ratchets_and_the_wall_force_is_a_quarter_too_high():
     """The failure and its cure on one grid: the column's own oscillation eats void ratio and raises the pressure."""
     free, controlled = (

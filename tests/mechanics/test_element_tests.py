@@ -41,7 +41,14 @@ def error(method, exact):
     return worst, np.max(np.abs(method.void_ratio - void_ratio))
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case[0]}-e{case[1]:.2f}-{case[2] / 1e3:g}kPa")
+OFTEN = ("oedometer", "triaxial", "plane-strain", "simple-shear")  # the others with `make test-long`
+FIRST = [next(case for case in CASES if case[0] == test) for test in OFTEN]
+
+
+@pytest.mark.parametrize(
+    "case", [case if case in FIRST else pytest.param(case, marks=pytest.mark.long) for case in CASES],
+    ids=lambda case: f"{case[0]}-e{case[1]:.2f}-{case[2] / 1e3:g}kPa",
+)  # fmt: skip
 def test_the_method_is_within_one_per_cent_of_the_law_up_to_20_per_cent_of_strain(case):
     worst, void_ratio = error(curve(*case, "mpm"), curve(*case, "point"))
     assert worst < 0.01

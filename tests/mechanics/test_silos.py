@@ -39,6 +39,14 @@ SILOS = {  # silo, walls, flow, filling
     "bunker": (BUNKER, SMOOTH, SLOW, "gravity-ramp"),
     "fall": (Silo(outlet=WIDE, height_m=0.3), SMOOTH, FALL, "gravity-ramp"),
 }
+OFTEN = ("middle", "right", "hopper", "roof", "round", "layers")  # the others with `make test-long`
+
+
+def silos(*names):
+    """Parameters of a test: these silos."""
+    return [name if name in OFTEN else pytest.param(name, marks=pytest.mark.long) for name in names or SILOS]
+
+
 CURVES = ("displacement_m", "bottom_N_per_m", "shear_N_per_m", "normal_N_per_m", "discharged_kg_per_m")
 
 
@@ -78,7 +86,7 @@ def histories():
     return Histories()
 
 
-@pytest.fixture(params=SILOS)
+@pytest.fixture(params=silos())
 def history(request, histories):
     return histories[request.param]
 
@@ -114,7 +122,7 @@ def test_scenes_weigh_what_their_geometry_says(history):
     assert history.scene.weight_N_per_m == pytest.approx(history.weight, rel=few)
 
 
-@pytest.mark.parametrize("name", SILOS)
+@pytest.mark.parametrize("name", silos())
 def test_force_curves_are_those_stored(histories, name, data, renew_curves):
     """Runs are deterministic; other processors may differ by what flow makes of round-off."""
     records = [r for k, r in enumerate(histories[name].all) if k % 5 == 0]
@@ -161,29 +169,28 @@ def test_above_a_smooth_floor_both_walls_carry_the_same_however_the_sand_flows(h
     assert profile[1, 5:].sum() > profile[0, 5:].sum()
 
 
-def test_a_hopper_takes_over_when_its_outlet_opens(histories):
+@pytest.mark.parametrize("name", silos("hopper", "cone"))
+def test_a_hopper_takes_over_when_its_outlet_opens(histories, name):
     """In converging flow the stress at the outlet vanishes and the hopper's walls carry the sand."""
-    for name in ("hopper", "cone"):
-        history = histories[name]
-        assert mean(history.flow[-10:], "bottom_N_per_m") < 0.3 * mean(history.filling[-10:], "bottom_N_per_m")
+    history = histories[name]
+    assert mean(history.flow[-10:], "bottom_N_per_m") < 0.3 * mean(history.filling[-10:], "bottom_N_per_m")
 
-        def carried(records, history=history):
-            return np.mean([sum(r.bodies_N_per_m[body][1] for body in history.bodies) for r in records])
+    def carried(records):
+        return np.mean([sum(r.bodies_N_per_m[body][1] for body in history.bodies) for r in records])
 
-        assert carried(history.flow[-10:]) > 1.02 * carried(history.filling[-10:])
+    assert carried(history.flow[-10:]) > 1.02 * carried(history.filling[-10:])
 
 
-def test_an_insert_carries_more_than_the_sand_above_it_weighs_per_width(histories):
+@pytest.mark.parametrize("name", silos("roof", "cylinder"))
+def test_an_insert_carries_more_than_the_sand_above_it_weighs_per_width(histories, name):
     """Sand hangs on it, as on a wall: when the outlet opens, its load grows."""
-    for name in ("roof", "cylinder"):
-        history = histories[name]
-        before, after = (
-            np.mean([r.bodies_N_per_m["insert_1"][1] for r in records[-10:]])
-            for records in (history.filling, history.flow)
-        )
-        share = 0.06 / 0.2 * history.weight
-        assert before > 0.4 * share
-        assert after > 1.02 * before
+    history = histories[name]
+    before, after = (
+        np.mean([r.bodies_N_per_m["insert_1"][1] for r in records[-10:]]) for records in (history.filling, history.flow)
+    )
+    share = 0.06 / 0.2 * history.weight
+    assert before > 0.4 * share
+    assert after > 1.02 * before
 
 
 def janssen(scene, **choices):
@@ -208,7 +215,7 @@ def test_a_round_silo_is_relieved_more_than_a_plane_one_of_its_width(histories):
     assert found == pytest.approx(round_.bottom_force_N_per_m / round_.weight_N_per_m, rel=0.05)
 
 
-@pytest.mark.parametrize("way", ["layers", "rain"])
+@pytest.mark.parametrize("way", silos("layers", "rain"))
 def test_however_it_is_filled_all_sand_is_there_and_at_rest(histories, way):
     history = histories[way]
     assert len(history.filled["mass"]) == history.count
@@ -220,6 +227,7 @@ def test_however_it_is_filled_all_sand_is_there_and_at_rest(histories, way):
     assert 0.8 * theory.normal_force_N_per_m < found < 1.6 * theory.normal_force_N_per_m
 
 
+@pytest.mark.long
 def test_sand_falls_out_no_faster_than_beverlo_says(histories):
     """Slower on this grid: beside the edges of an outlet of twelve cells hardly any sand passes."""
     history = histories["fall"]
