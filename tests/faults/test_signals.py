@@ -14,6 +14,7 @@ from taichi_silo.utils import checked_npz, file_lock
 from tests.faults.harness import ROOT, At, assert_same, assert_sound, contents, failed, send
 from tests.smallest import SMALLEST
 
+pytestmark = pytest.mark.usefixtures("quick")
 BOTH = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["Ctrl-C", "SIGTERM"])
 
 

@@ -21,20 +21,20 @@ FORCES = (
 )
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    place = tmp_path_factory.mktemp("runs") / "coarse"
-    done = subprocess.run(
-        [
-            sys.executable, str(SCRIPT), "--cell-size", "0.05", "--speed", "0.05", "--displacement", "0.01",
-            "--walls", "smooth", "--threads", "1", "--output", str(place),
-        ],
-        capture_output=True, text=True, timeout=300,
-    )  # fmt: skip
+def coarse(place, *flags):
+    """Run the scenario of mass flow with cells of 50 mm, as a user does."""
+    words = ["--cell-size", "0.05", "--speed", "0.05", "--displacement", "0.01", "--walls", "smooth", "--threads", "1"]
+    command = [sys.executable, str(SCRIPT), *words, "--output", str(place), *flags]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     assert "%" in done.stdout + done.stderr
     assert str(place) in done.stdout.replace("\n", "")
     return place
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return coarse(tmp_path_factory.mktemp("runs") / "coarse", "--no-film")
 
 
 def test_forces_have_the_promised_columns_and_stages(folder):
@@ -90,7 +90,9 @@ def test_snapshots_open_and_hold_the_fields(folder):
     assert {"void_ratio", "velocity", "stress_Pa", "volume_m2_per_m"} <= set(mesh.point_data)
 
 
-def test_the_film_plays_in_a_browser(folder):
+@pytest.mark.long
+def test_the_film_plays_in_a_browser(tmp_path):
+    folder = coarse(tmp_path / "filmed")
     frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(folder / "void_ratio.mp4"))
     assert 14.0 < seconds < 16.0
     assert 420 < frames < 460
