@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.errors import RunFailed
+from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.mpm.shapes import SHAPES
@@ -149,4 +150,4 @@ def predict(simulation: Simulation) -> Cost:
     """The cost of a run, before it starts."""
     scene = simulation.scene
     number = steps(scene)
-    return Cost(scene.points, number, number * rehearse(simulation) * simulation.solver.threads)
+    return Cost(scene.points, number, number * rehearse(simulation) * runtime.threads())

@@ -124,7 +124,7 @@ def simulate(one: ParameterSet) -> dict:
     except RunFailed as error:
         failure = str(error)
     # on a quiet machine the first; on one that others use or halt, the processor's own time
-    spent = min(simulation.stepping_seconds * simulation.solver.threads, time.process_time() - begun)
+    spent = min(simulation.stepping_seconds * runtime.threads(), time.process_time() - begun)
     rows = pd.DataFrame(records.rows)
     found = {
         "format": FORMAT,

@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 
+from taichi_silo.mpm import runtime
 from taichi_silo.runs.observers import Observer
 
 PART = 0.1  # of the simulated time between two lines on how far it is
@@ -29,7 +30,7 @@ class Log(Observer):
         self.say(
             f"begins: taichi-silo {version('taichi-silo')}, taichi {version('taichi')}, Python "
             f"{platform.python_version()}, {platform.machine()}; {scene.points} points, {scene.machine.arch}, "
-            f"{simulation.solver.threads} threads"
+            f"{runtime.threads()} threads"
         )
         self._tell()
 

@@ -7,6 +7,7 @@ import time
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
+from taichi_silo.mpm import runtime
 from taichi_silo.runs.cost_estimate import predict
 from taichi_silo.runs.observers import Observer
 
@@ -25,7 +26,7 @@ class ProgressLine(Observer):
         self._print(simulation.about_averaging, highlight=False, soft_wrap=True)
         self._start(simulation)
         cost = predict(simulation)
-        seconds = cost.core_seconds / simulation.solver.threads
+        seconds = cost.core_seconds / runtime.threads()
         self._print(
             f"{cost.points:,} points, about {cost.steps:,} steps: some {_clock(seconds)} minutes of stepping",
             highlight=False, soft_wrap=True,
