@@ -13,6 +13,7 @@ from typing import Annotated
 import numpy as np
 import pandas as pd
 from matplotlib import rc_context
+from matplotlib.figure import Figure
 from typer import Option
 
 from taichi_silo.cli import command_line, flags
@@ -20,8 +21,8 @@ from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.scene import sands
 from taichi_silo.scene.scene import cores
-from taichi_silo.show.figures.element import paper_figure, wall_angle_deg
-from taichi_silo.show.figures.style import STYLE
+from taichi_silo.show.figures.element import COLORS, wall_angle_deg
+from taichi_silo.show.figures.style import STYLE, new_figure
 from taichi_silo.studies.element_tests import COLUMNS, ElementScene, curve_of
 
 # test -> pressures [Pa], strain at the end
@@ -122,6 +123,41 @@ def draw(test: str, curves: dict, sand: str):
     label = "shear strain (%)" if sheared else "axial logarithmic strain (%)"
     title = TITLES[test] if ours_too else f"{TITLES[test].split(' (')[0]}, {sand}"
     return paper_figure(ours, rows, label, title, tuple(references))
+
+
+def paper_figure(curves: dict, column, label: str, title: str, references: tuple = ()) -> Figure:
+    """Curves of several void ratios (colours), one panel a pressure, law alone (lines) and method (dots).
+
+    Parameters
+    ----------
+    curves : (void ratio, pressure [Pa], "point" or "mpm") -> table.
+    column : function of a table that returns what to draw; a list of (function, label) draws rows of panels.
+    label : of the strain axis.
+    title : of the figure.
+    references : (row, value, words) of dashed lines.
+
+    """
+    pressures = sorted({key[1] for key in curves}, reverse=True)
+    void_ratios = sorted({key[0] for key in curves})
+    figure = new_figure(5.6 * len(pressures), 3.9 * len(column) + 0.5)
+    panels = figure.subplots(len(column), len(pressures), sharex=True, sharey="row", squeeze=False)
+    for k, (read, name) in enumerate(column):
+        for panel, pressure in zip(panels[k], pressures, strict=True):
+            for color, e in zip(COLORS, void_ratios, strict=False):
+                exact, method = curves[e, pressure, "point"], curves[e, pressure, "mpm"]
+                panel.plot(100 * exact.strain, read(exact), color=color, label=f"$e_0$ = {e:.2f}")
+                some = method.iloc[:: max(1, len(method) // 25)]
+                panel.plot(100 * some.strain, read(some), "o", color=color, markersize=4)
+            for row, value, words in references:
+                if row == k:
+                    panel.axhline(value, color="#555555", linestyle="--", linewidth=1.2, label=words)
+            panel.set_title(f"{pressure / 1e3:g} kPa")
+        panels[k][0].set_ylabel(name)
+    for panel in panels[-1]:
+        panel.set_xlabel(label)
+    panels[0][0].legend(loc="lower right", title="line: law alone, dots: MPM")
+    figure.suptitle(title)
+    return figure
 
 
 def row(case: tuple, curves: dict) -> dict:

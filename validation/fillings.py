@@ -15,9 +15,9 @@ from typer import Option
 
 from taichi_silo.cli import command_line, model_silo
 from taichi_silo.scene.scene import Filling, Flow, Machine, Mesh, Sand, Scene, Silo
-from taichi_silo.show.figures import plot_cases
 from taichi_silo.studies.run_all import run_all
 from taichi_silo.studies.sweep.runs import Run
+from validation.case_figures import plot_cases
 
 WAYS = get_args(Filling.model_fields["kind"].annotation)
 NAMES = ("bottom_N_per_m", "shear_N_per_m", "normal_N_per_m")

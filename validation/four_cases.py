@@ -14,9 +14,9 @@ from typer import Option
 from taichi_silo import Flow, Machine, Mesh, Method, Scene
 from taichi_silo.cli import command_line, flags, model_silo
 from taichi_silo.scene import sands
-from taichi_silo.show.figures import plot_cases
 from taichi_silo.studies.run_all import run_all
 from taichi_silo.studies.sweep.runs import Run
+from validation.case_figures import plot_cases
 
 LAW = "gudehus-bauer"  # the paper's
 

@@ -12,9 +12,10 @@ from taichi_silo.runs import snapshot
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.theories import critical_simple_shear_angle_deg
 from taichi_silo.scene.scene import Walls
-from taichi_silo.show.figures import plot_cases, plot_run
+from taichi_silo.show.figures import plot_run
 from taichi_silo.show.figures.void_ratio import chosen_snapshots
 from tests import made_up
+from validation.case_figures import plot_cases
 
 NAMES = ["forces.png", "wall_friction_angle.png", "void_ratio.png", "wall_stress.png"]
 

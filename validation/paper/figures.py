@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from taichi_silo.show.figures import plot_cases
+from validation.case_figures import plot_cases
 from validation.paper.cases import CASES
 
 FIGURES = {  # named by the paper's numbers; the cases of each

@@ -1,9 +1,10 @@
-"""Figures of a run, and of several runs side by side, drawn from the files that a run leaves behind.
+"""Figures of a run, and of many runs over each other, drawn from the files that a run leaves behind.
 
 Nothing but the run's folder is read, so that figures can be redrawn at any time. A run that ended early is
 drawn as far as it went; a figure without any data is left out.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
@@ -12,14 +13,14 @@ from matplotlib import rc_context
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import no_link
 from taichi_silo.show.figures.batch import batch_figure
-from taichi_silo.show.figures.forces import case_angles_figure, case_forces_figure, run_angle_figure, run_forces_figure
+from taichi_silo.show.figures.forces import run_angle_figure, run_forces_figure
 from taichi_silo.show.figures.response import response_figure
 from taichi_silo.show.figures.style import STYLE
-from taichi_silo.show.figures.void_ratio import case_void_ratio_figure, run_void_ratio_figure
-from taichi_silo.show.figures.wall_stress import case_wall_stress_figure, run_wall_stress_figure
+from taichi_silo.show.figures.void_ratio import run_void_ratio_figure
+from taichi_silo.show.figures.wall_stress import run_wall_stress_figure
 from taichi_silo.utils import atomic_write
 
-__all__ = ["plot_batch", "plot_cases", "plot_response", "plot_run"]
+__all__ = ["draw_all", "plot_batch", "plot_response", "plot_run"]
 
 RUN_FIGURES = {
     "forces": run_forces_figure,
@@ -27,73 +28,33 @@ RUN_FIGURES = {
     "void_ratio": run_void_ratio_figure,
     "wall_stress": run_wall_stress_figure,
 }
-CASE_FIGURES = {
-    "forces": case_forces_figure,
-    "wall_friction_angle": case_angles_figure,
-    "void_ratio": case_void_ratio_figure,
-    "wall_stress": case_wall_stress_figure,
-}
 
 
 def plot_run(folder: Path) -> list[Path]:
-    """Draw the figures of one run (Fig. 10 to 13 of the paper) and return the paths written.
-
-    Parameters
-    ----------
-    folder : Path
-        The run's folder; the figures go to `folder/figures`.
-    """
-    return _draw(RUN_FIGURES, Result(folder, tolerant=True), Path(folder) / "figures")
-
-
-def plot_cases(folders: dict[str, Path], target: Path) -> list[Path]:
-    """Draw several runs side by side, one panel for each initial void ratio, and return the paths written.
-
-    Parameters
-    ----------
-    folders : dict
-        The runs' folders by the name that the legends show, such as "dense, smooth walls".
-    target : Path
-        Folder of the figures.
-    """
-    return _draw(CASE_FIGURES, _runs(folders), Path(target))
+    """Draw the figures of one run (Fig. 10 to 13 of the paper) into its folder `figures`; returns the paths written."""
+    return draw_all(RUN_FIGURES, Result(folder, tolerant=True), Path(folder) / "figures")
 
 
 def plot_batch(folders: dict[str, Path], target: Path) -> list[Path]:
-    """Draw P, T and N of many runs into one figure and return the path written, if there was anything to draw.
-
-    Parameters
-    ----------
-    folders : dict
-        The runs' folders by their names.
-    target : Path
-        Folder of the figure.
-    """
-    return _draw({"forces": batch_figure}, _runs(folders), Path(target))
+    """Draw P, T and N of many runs, their folders given by name, into one figure; returns its path, if any has data."""
+    runs = [Result(folder, name, tolerant=True) for name, folder in folders.items()]
+    return draw_all({"forces": batch_figure}, runs, target)
 
 
 def plot_response(table: pd.DataFrame, varied: list[str], response, target: Path) -> list[Path]:
-    """Draw what a sweep found against what varied, and return the path written, if there was anything to draw.
+    """Draw what a sweep found against what varied (see `response_figure`); returns the path, if there was anything."""
+    return draw_all({"response": lambda rows: response_figure(rows, varied, response)}, table, target)
 
-    Parameters
-    ----------
-    table : DataFrame
-        Of all runs.
-    varied : list
-        Its columns of what varied.
-    response :
-        With the column `y`, and `x` and `colour`, if they are wanted.
-    target : Path
-        Folder of the figure.
+
+def draw_all(figures: dict[str, Callable], data, target: Path) -> list[Path]:
+    """Draw figures, given by their names as functions of the data, into a folder; returns the paths of those with data.
+
+    Raises
+    ------
+    BadInput
+        if the folder or a file in it is a link.
+
     """
-    return _draw({"response": lambda rows: response_figure(rows, varied, response)}, table, target)
-
-
-def _runs(folders: dict[str, Path]) -> list[Result]:
-    return [Result(folder, label, tolerant=True) for label, folder in folders.items()]
-
-
-def _draw(figures, data, target: Path) -> list[Path]:
     no_link(target, *(target / f"{name}.png" for name in figures))
     target.mkdir(parents=True, exist_ok=True)
     written = []

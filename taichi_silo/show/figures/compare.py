@@ -1,143 +1,156 @@
 """Runs laid over each other: P, T, N and wall angle against displacement or time, and wall stresses against height."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from matplotlib import rc_context
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from taichi_silo.show.figures.forces import ANGLE, FORCES
-from taichi_silo.show.figures.style import COLORS, REFERENCE, STYLE, new_figure, start_at_zero
+from taichi_silo.runs.result import Result
+from taichi_silo.show.figures import draw_all
+from taichi_silo.show.figures.forces import ANGLE, FORCES, curve
+from taichi_silo.show.figures.style import COLORS, REFERENCE, new_figure, start_at_zero
 from taichi_silo.show.figures.wall_stress import STATES, STRESSES
-from taichi_silo.utils import atomic_write
+from taichi_silo.show.report.states import FORCES as KEYS
+from taichi_silo.show.report.states import wall_profile
+from taichi_silo.show.theory import janssen, pressure_ratios, wall_angle_deg
 
 LINES = ("-", (0, (5, 1.5)), (0, (1, 1)))  # from the eighth run on colours come again with another line
 LABELS = FORCES | {"angle": ANGLE}
 WALL_FORCES = {"left_normal": "N", "right_normal": "N", "left_shear": "T", "right_shear": "T"}
 DOTTED = {"linestyle": ":", "linewidth": 1.3, "zorder": 1}
-MARKS = {"left_normal": "<", "left_shear": "<", "right_normal": ">", "right_shear": ">"}
+MARKS = {"left": "<", "right": ">"}
 
 
-def save(figures: dict, target: Path) -> list[Path]:
-    """Draw figures, functions by the names of their files, into a folder; return the files that have data."""
-    written = []
-    for name, make_figure in figures.items():
-        with rc_context(STYLE):
-            figure = make_figure()
-            if figure is None:
-                continue
-            with atomic_write.written(target / name) as passing:
-                figure.savefig(passing, format="png")
-        written.append(target / name)
-    return written
-
-
-def compare_forces_figure(curves: dict, measured: list, theory: dict, time: bool):
-    """Four panels, or None if nothing has flowed.
+def plot_compared(runs: list[Result], measured: list, with_janssen: bool, target: Path) -> list[Path]:
+    """Draw `compare_forces.png` and `compare_walls.png` into a folder, and return the paths of those that have data.
 
     Parameters
     ----------
-    curves : of each run by its label: P, T, N [N/m] and angle [deg], each (places, values).
-    measured : (name of the file, quantity, places, values) of measurements.
-    theory : of each run by its label: P, T, N after filling by Janssen [N/m], and the wall's angle [deg]; or empty.
-    time : whether places are times [s], else displacements [m].
+    runs : at least one.
+    measured : tables of measurements (`studies.compare.measured.Measured`).
+    with_janssen : draw Janssen's theory at the law's own pressure ratio.
+    target : the folder.
 
     """
-    if not any(len(places) for names in curves.values() for places, _ in names.values()):
-        return None
-    figure = new_figure(12.5, 8.6 + 0.26 * len(curves))
-    panels = dict(zip(LABELS, figure.subplots(2, 2).ravel(), strict=True))
-    scale = 1.0 if time else 1e3
-    last = 0.0
+    figures = {"compare_forces": forces_figure, "compare_walls": walls_figure}
+    return draw_all(
+        {name: lambda data, draw=draw: draw(*data) for name, draw in figures.items()},
+        (runs, measured, with_janssen), target,
+    )  # fmt: skip
+
+
+def forces_figure(runs: list[Result], measured: list, with_janssen: bool) -> Figure | None:
+    """Four panels, or None if nothing has flowed.
+
+    They are drawn over what measured curves are given over; without any, over displacements, or over times since the
+    outflow began if a run falls freely.
+    """
+    curves = [one for one in measured if one.kind == "curves"]
+    place = curves[0].place if curves else "time_s" if any(run.free for run in runs) else "displacement_m"
+    time = place == "time_s"
+    figure = new_figure(12.5, 8.6 + 0.26 * len(runs))
+    panels, scale, last = dict(zip(LABELS, figure.subplots(2, 2).ravel(), strict=True)), 1.0 if time else 1e3, 0.0
     for name, panel in panels.items():
         unit = 1.0 if name == "angle" else 1e-3
-        for number, (label, names) in enumerate(curves.items()):
-            places, values = names[name]
-            panel.plot(scale * places, unit * values, label=label, **_look(number))
+        for number, run in enumerate(runs):
+            places, values = curve(run, name, place)
+            panel.plot(scale * places, unit * values, label=run.label, **_look(number))
             last = max(last, scale * places[-1]) if len(places) else last
-            if (expected := theory.get(label, {}).get(name)) is not None:
+            expected = _janssen_force(run, name) if with_janssen else None
+            if expected is not None:
                 panel.axhline(unit * expected, color=_look(number)["color"], **DOTTED)
-        for file, quantity, places, values in measured:
-            if WALL_FORCES.get(quantity, quantity) == name:
-                _points(panel, scale * places, unit * values, _named(file, quantity), MARKS.get(quantity, "o"))
+        for one in curves:
+            for quantity in one.quantities:
+                if WALL_FORCES.get(quantity, quantity) == name:
+                    places, values = one.table[[place, quantity]].dropna().to_numpy(float).T
+                    side = quantity.partition("_")[0] if quantity in WALL_FORCES else ""
+                    label = f"{one.name}, {side} wall" if side else one.name
+                    _points(panel, scale * places, unit * values, label, MARKS.get(side, "o"))
         panel.set_ylabel(LABELS[name])
         panel.set_xlabel("time since the outflow began (s)" if time else "displacement u of bottom or gate (mm)")
         panel.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
         panel.set_xlim(0.0, last or None)
         start_at_zero([panel], "y")
+    if not last:
+        return None
     words = "T, N: mean of both walls; running median"
-    figure.suptitle("Forces per metre run\n" + words + ("; dotted: Janssen, after filling" if theory else ""))
+    figure.suptitle(f"Forces per metre run\n{words}{'; dotted: Janssen, after filling' if with_janssen else ''}")
     _legend(figure, panels.values())
     return figure
 
 
-def compare_walls_figure(profiles: dict, measured: list, theory: dict, top_m: float):
+def walls_figure(runs: list[Result], measured: list, with_janssen: bool) -> Figure | None:
     """Normal stresses above, shear stresses below, a column for each state; None without any profile.
 
-    Parameters
-    ----------
-    profiles : of each run by its label: {(state, column of STRESSES): {wall: (heights [m], stresses [Pa])}}, the wall
-        being "both" for their mean, or "left" and "right" where they are not alike.
-    measured : (name of the file, state or "", column, wall, heights, stresses) of measurements.
-    theory : of each run by its label: {column of STRESSES: (heights, stresses)} by Janssen after filling; or empty.
-    top_m : height of the highest fill.
-
+    Of a silo whose outlet is off the middle both walls are drawn, else their mean.
     """
-    lines = {key: line for runs in profiles.values() for walls in runs.values() for key, line in walls.items()}
-    states = [state for state in STATES if any(_known(runs[state, "normal_stress_Pa"]) for runs in profiles.values())]
+    sides = {run.label: ("left", "right") if run.lopsided else ("both",) for run in runs}
+    states = [state for state in STATES if any(len(wall_profile(run, state)[0]) for run in runs)]
     if not states:
         return None
-    figure = new_figure(1.5 + 4.0 * len(states), 9.6 + 0.26 * len(profiles))
+    figure = new_figure(1.5 + 4.0 * len(states), 9.6 + 0.26 * len(runs))
     panels = figure.subplots(2, len(states), squeeze=False, sharey=True, sharex="row")
     for row, (column, words) in zip(panels, STRESSES.items(), strict=True):
         for state, panel in zip(states, row, strict=True):
-            for number, (label, runs) in enumerate(profiles.items()):
-                for wall, (heights, stresses) in runs[state, column].items():
-                    dashed = {"linestyle": "--"} if wall == "right" else {}
-                    named = None if wall == "right" else label
-                    panel.plot(1e-3 * stresses, 1e3 * heights, label=named, **(_look(number) | dashed))
-                if state == "filling" and label in theory:
-                    places, expected = theory[label][column]
-                    panel.plot(1e-3 * expected, 1e3 * places, color=_look(number)["color"], **DOTTED)
-            for file, one, name, wall, heights, stresses in measured:
-                if name == column and one in ("", state):
-                    mark = {"left": "<", "right": ">"}.get(wall, "o")
-                    _points(
-                        panel, 1e-3 * stresses, 1e3 * heights, f"{file}{'' if wall == 'both' else f', {wall}'}", mark
-                    )
+            for number, run in enumerate(runs):
+                look = _look(number)
+                for wall in sides[run.label]:
+                    heights, stresses = wall_profile(run, state, column, wall)
+                    other = {"linestyle": "--", "label": None} if wall == "right" else {"label": run.label}
+                    panel.plot(1e-3 * stresses, 1e3 * heights, **(look | other))
+                ratio = next(iter(pressure_ratios(run).values()))
+                if with_janssen and state == "filling" and (fill := janssen(run, ratio)) is not None:
+                    depth = np.linspace(0.0, fill.height_m, 101)
+                    law = fill.normal_stress_Pa if column == "normal_stress_Pa" else fill.shear_stress_Pa
+                    heights = run.scene.silo.height_m - depth
+                    panel.plot(1e-3 * law(depth), 1e3 * heights, color=look["color"], **DOTTED)
+            for name, wall, heights, stresses in _measured_profiles(measured, state, column):
+                label = name if wall == "both" else f"{name}, {wall}"
+                _points(panel, 1e-3 * stresses, 1e3 * heights, label, MARKS.get(wall, "o"))
             panel.set_xlabel(words)
         start_at_zero(row, "x")
         row[0].set_ylabel("height above the initial bottom (mm)")
     for state, panel in zip(states, panels[0], strict=True):
         panel.set_title(STATES[state][2])
-    panels[0, 0].set_ylim(top=1.05e3 * top_m)
+    panels[0, 0].set_ylim(top=1.05e3 * max(run.scene.silo.height_m for run in runs))
     words = "as a pressure cell of 20 mm reads; mean of both walls"
-    words += "; outlet off the middle: left wall solid, right wall dashed" if "right" in lines else ""
-    figure.suptitle(f"Wall stresses\n{words}" + ("; dotted: Janssen" if theory else ""))
+    if any(run.lopsided for run in runs):
+        words += "; outlet off the middle: left wall solid, right wall dashed"
+    figure.suptitle(f"Wall stresses\n{words}{'; dotted: Janssen' if with_janssen else ''}")
     _legend(figure, panels.ravel())
     return figure
 
 
-def _known(walls: dict) -> bool:
-    return any(len(heights) for heights, _ in walls.values())
+def _janssen_force(run: Result, name: str) -> float | None:
+    """Janssen's P, T or N [N/m] at the law's own pressure ratio, or the angle of smooth walls [degrees]."""
+    if name == "angle":
+        return wall_angle_deg(run) if run.scene.walls.kind == "smooth" else None
+    return (run.summary.get("janssen") or {}).get(f"{KEYS[name][0]}_K0")
+
+
+def _measured_profiles(measured: list, state: str, column: str) -> Iterator[tuple]:
+    """Name of the file, wall, heights and stresses of the measured profiles of a state, or of no named state."""
+    for one in measured:
+        if one.kind == "profile" and column in one.table:
+            for (found, wall), rows in one.table.groupby(["state", "wall"], sort=False):
+                if found in ("", state):
+                    yield one.name, wall, *rows[["height_m", column]].dropna().to_numpy(float).T
 
 
 def _look(number: int) -> dict:
-    """Of a run; the first is wide, so that it shows below one that is equal."""
+    """Colour and line of a run; the first is wide, so that it shows below one that is equal."""
     line = LINES[number // len(COLORS) % len(LINES)]
     return {"color": COLORS[number % len(COLORS)], "linestyle": line, "linewidth": 1.8 if number else 3.4}
 
 
 def _points(panel, x, y, label: str, mark: str) -> None:
-    few = max(1, len(np.atleast_1d(x)) // 40)  # so many that each can be seen
+    """Draw measurements, so many that each can be seen."""
     panel.plot(
-        x, y, mark, color=REFERENCE, markersize=6, markerfacecolor="none", markeredgewidth=1.3, markevery=few,
-        label=label, zorder=4,
+        x, y, mark, color=REFERENCE, markersize=6, markerfacecolor="none", markeredgewidth=1.3, label=label, zorder=4,
+        markevery=max(1, len(np.atleast_1d(x)) // 40),
     )  # fmt: skip
-
-
-def _named(file: str, quantity: str) -> str:
-    return f"{file}, {quantity.partition('_')[0]} wall" if quantity in WALL_FORCES else file
 
 
 def _legend(figure, panels) -> None:

@@ -34,38 +34,3 @@ def element_figure(curve, title: str, sheared: bool) -> Figure:
         friction.legend()
     figure.suptitle(title)
     return figure
-
-
-def paper_figure(curves: dict, column, label: str, title: str, references: tuple = ()) -> Figure:
-    """Curves of several void ratios (colours), one panel a pressure, law alone (lines) and method (dots).
-
-    Parameters
-    ----------
-    curves : (void ratio, pressure [Pa], "point" or "mpm") -> table.
-    column : function of a table that returns what to draw; a list of (function, label) draws rows of panels.
-    label : of the strain axis.
-    title : of the figure.
-    references : (row, value, words) of dashed lines.
-
-    """
-    pressures = sorted({key[1] for key in curves}, reverse=True)
-    void_ratios = sorted({key[0] for key in curves})
-    figure = new_figure(5.6 * len(pressures), 3.9 * len(column) + 0.5)
-    panels = figure.subplots(len(column), len(pressures), sharex=True, sharey="row", squeeze=False)
-    for k, (read, name) in enumerate(column):
-        for panel, pressure in zip(panels[k], pressures, strict=True):
-            for color, e in zip(COLORS, void_ratios, strict=False):
-                exact, method = curves[e, pressure, "point"], curves[e, pressure, "mpm"]
-                panel.plot(100 * exact.strain, read(exact), color=color, label=f"$e_0$ = {e:.2f}")
-                some = method.iloc[:: max(1, len(method) // 25)]
-                panel.plot(100 * some.strain, read(some), "o", color=color, markersize=4)
-            for row, value, words in references:
-                if row == k:
-                    panel.axhline(value, color="#555555", linestyle="--", linewidth=1.2, label=words)
-            panel.set_title(f"{pressure / 1e3:g} kPa")
-        panels[k][0].set_ylabel(name)
-    for panel in panels[-1]:
-        panel.set_xlabel(label)
-    panels[0][0].legend(loc="lower right", title="line: law alone, dots: MPM")
-    figure.suptitle(title)
-    return figure

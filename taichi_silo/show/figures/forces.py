@@ -13,12 +13,11 @@ from taichi_silo.show.figures.style import (
     GREEN,
     REFERENCE,
     VERMILLION,
-    line_colors,
     new_figure,
     put_title,
     start_at_zero,
 )
-from taichi_silo.show.titles import sand_title, title
+from taichi_silo.show.titles import title
 
 SMOOTHING = 0.005  # window of the median lines, as a fraction of the whole displacement
 LEAST_SHARE = 0.01  # of the weight: a smaller N makes no angle
@@ -30,14 +29,6 @@ FORCES = {
     "N": "wall normal force N (kN/m)",
 }
 ANGLE = r"wall friction angle $\varphi_w$ = arctan(T/N) (°)"
-
-
-def by_void_ratio(runs: list[Result]) -> list[list[Result]]:
-    """The runs in groups of equal initial void ratio, densest first."""
-    groups = {}
-    for run in runs:
-        groups.setdefault(round(run.scene.sand.void_ratio, 3), []).append(run)
-    return [groups[void_ratio] for void_ratio in sorted(groups)]
 
 
 def angle(rows):
@@ -53,11 +44,11 @@ def run_forces_figure(run):
     figure = new_figure(11.0, 4.6)
     panels = dict(zip(FORCES, figure.subplots(1, 3), strict=True))
     for (name, panel), color in zip(panels.items(), (BLUE, VERMILLION, GREEN), strict=True):
-        _curve(panel, run, lambda rows, name=name: rows[name] / 1e3, color, "median", raw_label="every row")
+        draw_curve(panel, run, lambda rows, name=name: rows[name] / 1e3, color, "median", raw_label="every row")
         if name != "P":
             _each_wall(panel, run, name, color)
         if run.scene.walls.kind != "very-rough":
-            _janssen_line(panel, run, name)
+            janssen_line(panel, run, name)
         panel.set_ylabel(FORCES[name])
         x_axis(panel, [run])
         start_at_zero([panel], "y")
@@ -75,8 +66,8 @@ def run_angle_figure(run):
         return None
     figure = new_figure(7.5, 5.2)
     panel = figure.subplots()
-    _curve(panel, run, angle, BLUE, "median", raw_label="every row")
-    _reference_angle(panel, run)
+    draw_curve(panel, run, angle, BLUE, "median", raw_label="every row")
+    reference_angle(panel, run)
     words = textwrap.fill(title(run).replace(" mm", "\u00a0mm"), 88)  # no line may begin with a unit
     panel.set_title(f"Mobilised wall friction\n{words}", fontsize=11)
     panel.set_ylabel(ANGLE)
@@ -86,61 +77,7 @@ def run_angle_figure(run):
     return figure
 
 
-def case_forces_figure(runs):
-    """Return the figure of P, T and N of several runs, one column for each initial void ratio."""
-    groups = _drawable(runs)
-    if not groups:
-        return None
-    figure = new_figure(1.2 + 5.4 * len(groups), 11.5)
-    panels = figure.subplots(3, len(groups), squeeze=False, sharex="col", sharey="row")
-    for column, group in enumerate(groups):
-        for row, (name, label) in enumerate(FORCES.items()):
-            panel = panels[row, column]
-            for run, color in zip(group, line_colors(group), strict=True):
-                _curve(panel, run, lambda rows, name=name: rows[name] / 1e3, color, run.label)
-                if run.scene.walls.kind != "very-rough":
-                    _janssen_line(panel, run, name)
-            if column == 0:
-                panel.set_ylabel(label)
-        panels[0, column].set_title(_group_title(column, group))
-        _legend_under(panels[2, column])
-        x_axis(panels[2, column], group)
-    for row in panels:
-        start_at_zero(row, "y")
-    figure.suptitle("Forces per metre run\nT, N: mean of both walls; marker: end of filling")
-    return figure
-
-
-def case_angles_figure(runs):
-    """Return the figure of the wall friction angle of several runs, one panel for each initial void ratio."""
-    groups = _drawable(runs)
-    if not groups:
-        return None
-    figure = new_figure(1.2 + 5.4 * len(groups), 5.4)
-    panels = figure.subplots(1, len(groups), squeeze=False, sharey=True)[0]
-    for column, (panel, group) in enumerate(zip(panels, groups, strict=True)):
-        for run, color in zip(group, line_colors(group), strict=True):
-            _curve(panel, run, angle, color, run.label)
-            _reference_angle(panel, run)
-        if column == 0:
-            panel.set_ylabel(ANGLE)
-        panel.set_title(_group_title(column, group))
-        _legend_under(panel)
-        x_axis(panel, group)
-    start_at_zero(panels, "y")
-    figure.suptitle("Mobilised wall friction (marker: end of filling)")
-    return figure
-
-
-def _drawable(runs):
-    return by_void_ratio([run for run in runs if not run.forces.empty])
-
-
-def _group_title(column: int, group) -> str:
-    return f"{chr(65 + column)}) {sand_title(group[0].scene.sand)}"
-
-
-def _curve(panel, run, quantity, color, label, raw_label=None):
+def draw_curve(panel, run, quantity, color, label, raw_label=None):
     """Draw every row as a light line, its running median on top, and the state after filling as a marker.
 
     A run without flow is drawn against the time of its filling.
@@ -203,7 +140,39 @@ def running_median(x, y) -> pd.Series:
     return median
 
 
-def _janssen_line(panel, run, name: str):
+def curve(run: Result, name: str, place: str = "displacement_m") -> tuple[np.ndarray, np.ndarray]:
+    """Places and values [N/m, or degrees] of a run's curve: the state after filling, then the flow's running median.
+
+    Parameters
+    ----------
+    run : of a silo.
+    name : P, T, N, left_normal, left_shear, right_normal, right_shear, or angle.
+    place : "displacement_m", or "time_s" since the outflow began.
+
+    """
+    rows = run.flow
+    if rows.empty:
+        return np.zeros(0), np.zeros(0)
+    begin = 0.0
+    if place == "time_s":
+        begin = run.filling["time_s"].iloc[-1] if len(run.filling) else rows["time_s"].iloc[0]
+    x, y = rows[place] - begin, pd.Series(_values(rows, name), index=rows.index)
+    y = running_median(x, y)
+    x, y = x.to_numpy(float), y.to_numpy(float)
+    if run.filled is not None and x[0] > 0.0:
+        x, y = np.append(0.0, x), np.append(float(_values(run.filled, name)), y)
+    known = np.isfinite(y)
+    return x[known], y[known]
+
+
+def _values(rows, name: str):
+    """P, T, N, angle, or a wall's force by its name without the unit, of rows of `forces.csv`."""
+    if name == "angle":
+        return angle(rows)
+    return rows[name if name in ("P", "T", "N") else f"{name}_N_per_m"]
+
+
+def janssen_line(panel, run, name: str):
     """Draw Janssen's force as a dashed line."""
     origin, ratio = next(iter(theory.pressure_ratios(run).items()))
     fill = theory.janssen(run, ratio)
@@ -217,7 +186,7 @@ def _janssen_line(panel, run, name: str):
     _reference_line(panel, value / 1e3, "--", f"Janssen, {origin} = {ratio:.2f}")
 
 
-def _reference_angle(panel, run):
+def reference_angle(panel, run):
     """Draw the friction angle of the wall, or of critical simple shear along a very rough one."""
     reference, rough = theory.wall_angle_deg(run), run.scene.walls.kind == "very-rough"
     name = "critical simple shear" if rough else "wall friction"
@@ -248,8 +217,3 @@ def _legend_below(figure, panel, columns: int):
     legend = figure.legend(handles, labels, loc="outside lower center", ncols=min(columns, len(labels)))
     for line in legend.get_lines():  # the light line of every row is too thin to be seen as a sample
         line.set_linewidth(max(line.get_linewidth(), 1.6))
-
-
-def _legend_under(panel):
-    """Put a panel's legend below its x axis."""
-    panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2)

@@ -61,13 +61,3 @@ def start_at_zero(panels, axis: str):
         return
     for panel in panels:
         getattr(panel, f"set_{axis}lim")(1.05 * low if low < -0.05 * high else 0.0, 1.07 * high)
-
-
-def line_colors(runs) -> list[str]:
-    """Return a colour for each run: blue for smooth walls, vermillion for very rough ones, then any other."""
-    colors = []
-    for run in runs:
-        wanted = {"smooth": BLUE, "very-rough": VERMILLION}[run.scene.walls.kind]
-        order = (wanted, GREEN, PURPLE, ORANGE, SKY, BLACK, BLUE, VERMILLION)
-        colors.append(next((color for color in order if color not in colors), BLACK))
-    return colors

@@ -7,7 +7,6 @@ from matplotlib.colors import Normalize
 from matplotlib.patches import Polygon
 
 from taichi_silo.runs.snapshot import figured
-from taichi_silo.show.figures.forces import by_void_ratio
 from taichi_silo.show.figures.style import new_figure, put_title
 from taichi_silo.show.titles import title
 
@@ -54,7 +53,7 @@ def _with_end(run, rows: list) -> list:
     return [*rows, last.iloc[0]] if beyond else rows
 
 
-def _field(run, file: str):
+def field_of(run, file: str):
     """Places (n, 2) [m] of a stored state, void ratio (n,), and side (n,) [m] of the square each point stands for."""
     points = run.state(file.removesuffix(".vtu"))
     place, void_ratio, volume = points["position"], points["void_ratio"], points["volume"]
@@ -67,60 +66,23 @@ def run_void_ratio_figure(run):
     rows = _with_end(run, [row for row in chosen_snapshots(run) if row is not None])
     if not rows:
         return None
-    fields = [_field(run, row["file"]) for row in rows]
-    norm, limits = _color_range(fields), _limits(fields)
+    fields = [field_of(run, row["file"]) for row in rows]
+    norm, limits = color_range(fields), limits_of(fields)
     height = 4.8
     few = len(rows) < 3
-    width = 1.3 + len(rows) * (0.42 + max(height * _aspect(limits), 1.2))
+    width = 1.3 + len(rows) * (0.42 + max(height * aspect(limits), 1.2))
     figure = new_figure(max(width, 4.6), height + (1.9 if few else 1.35))
     panels = figure.subplots(1, len(rows), squeeze=False, sharey=True)[0]
     for panel, row, field in zip(panels, rows, fields, strict=True):
-        _draw_field(panel, field, norm, limits, run.scene.silo.solids())
-        panel.set(xlabel="x (mm)", title=_moment(row, run.flow.empty))
+        draw_field(panel, field, norm, limits, run.scene.silo.solids())
+        panel.set(xlabel="x (mm)", title=moment(row, run.flow.empty))
     panels[0].set_ylabel("height (mm)")
-    _color_bar(figure, panels, norm)
+    color_bar(figure, panels, norm)
     put_title(figure, *(f"Void ratio: {title(run)}".split(", ") if few else [f"Void ratio: {title(run)}"]))
     return figure
 
 
-def case_void_ratio_figure(runs):
-    """Return the figure of several runs, a row each; equal initial void ratios share a colour range."""
-    cases = {id(run): chosen_snapshots(run) for run in runs}
-    groups = by_void_ratio([run for run in runs if any(row is not None for row in cases[id(run)])])
-    if not groups:
-        return None
-    fields = {
-        id(run): [None if row is None else _field(run, row["file"]) for row in cases[id(run)]]
-        for group in groups
-        for run in group
-    }
-    limits = _limits([field for row in fields.values() for field in row if field is not None])
-    columns, rows = len(DISPLACEMENTS_MM), sum(map(len, groups))
-    height = 3.6
-    width = 2.2 + columns * (0.3 + max(height * _aspect(limits), 1.2))
-    figure = new_figure(width, (height + 0.5) * rows + 0.6 * len(groups) + 0.3)
-    parts = figure.subfigures(len(groups), 1, height_ratios=[len(group) for group in groups], squeeze=False)
-    for part, group in zip(parts[:, 0], groups, strict=True):
-        norm = _color_range([field for run in group for field in fields[id(run)] if field is not None])
-        panels = part.subplots(len(group), columns, squeeze=False, sharex=True, sharey=True)
-        for run, line in zip(group, panels, strict=True):
-            for panel, row, field, target in zip(line, cases[id(run)], fields[id(run)], DISPLACEMENTS_MM, strict=True):
-                if field is None:
-                    panel.set_axis_off()
-                    missing = f"u = {target:g} mm\nnot reached"
-                    panel.text(0.5, 0.5, missing, ha="center", transform=panel.transAxes)
-                    continue
-                _draw_field(panel, field, norm, limits, run.scene.silo.solids())
-                panel.set_title(_moment(row, run.flow.empty))
-            line[0].set_ylabel(f"{run.label}\nheight (mm)")
-        for panel in panels[-1]:
-            panel.set_xlabel("x (mm)")
-        _color_bar(part, panels.ravel().tolist(), norm)
-    figure.suptitle("Void ratio at bottom displacement u")
-    return figure
-
-
-def _draw_field(panel, field, norm, limits, solids):
+def draw_field(panel, field, norm, limits, solids):
     """Draw one square for each point, and what stands in the silo."""
     position, void_ratio, side = field
     squares = 1e3 * (position[:, None, :] + OVERLAP * side[:, None, None] * CORNERS)
@@ -141,14 +103,14 @@ def _ticks(limits):
     return [low, (low + high) / 2.0, high]
 
 
-def _moment(row, still_filling: bool) -> str:
+def moment(row, still_filling: bool) -> str:
     """Return when a snapshot was taken."""
     if still_filling:
         return f"filling, t = {row['time_s']:.3g} s"
     return f"u = {1e3 * row['displacement_m']:.3g} mm"
 
 
-def _color_range(fields) -> Normalize:
+def color_range(fields) -> Normalize:
     """Return a colour range from the 0.5 to the 99.5 percentile of all fields."""
     low, high = np.nanpercentile(np.concatenate([field[1] for field in fields]), (0.5, 99.5))
     if high - low < 0.01:  # a uniform field shall look uniform
@@ -156,24 +118,19 @@ def _color_range(fields) -> Normalize:
     return Normalize(low, high)
 
 
-def _limits(fields):
-    """Return (low, high) of x and of height [mm] around all fields."""
+def limits_of(fields):
+    """(low, high) of x and of height [mm] around all fields."""
     low = np.min([np.min(position - 0.5 * side[:, None], axis=0) for position, _, side in fields], axis=0)
     high = np.max([np.max(position + 0.5 * side[:, None], axis=0) for position, _, side in fields], axis=0)
     return (1e3 * low[0], 1e3 * high[0]), (1e3 * low[1] - 2.0, 1e3 * high[1] + 2.0)
 
 
-def _aspect(limits) -> float:
+def aspect(limits) -> float:
+    """Width over height of such limits."""
     return (limits[0][1] - limits[0][0]) / (limits[1][1] - limits[1][0])
 
 
-def _color_bar(figure, panels, norm):
-    figure.colorbar(
-        ScalarMappable(norm, COLORS),
-        ax=panels,
-        label="void ratio e",
-        extend="both",
-        shrink=0.8,
-        aspect=30,
-        pad=0.02,
-    )
+def color_bar(figure, panels, norm):
+    """Put the scale of the void ratio beside the panels."""
+    scale = ScalarMappable(norm, COLORS)
+    figure.colorbar(scale, ax=panels, label="void ratio e", extend="both", shrink=0.8, aspect=30, pad=0.02)

@@ -20,15 +20,15 @@ STRESSES = {"normal_stress_Pa": "wall normal stress (kPa)", "shear_stress_Pa": "
 
 def run_wall_stress_figure(run):
     """Return the figure of one run, or None without wall profiles."""
-    if not _has_profiles(run):
+    if not has_profiles(run):
         return None
     figure = new_figure(9.6, 6.4)
     panels = figure.subplots(1, 2, sharey=True)
     for panel, quantity in zip(panels, STRESSES, strict=True):
-        _draw(panel, run, quantity)
+        draw_stress(panel, run, quantity)
         panel.set_xlabel(STRESSES[quantity])
         start_at_zero([panel], "x")
-        _fit([panel])
+        fit_bold([panel])
     panels[0].set_ylabel("height above the initial bottom (mm)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
@@ -36,33 +36,7 @@ def run_wall_stress_figure(run):
     return figure
 
 
-def case_wall_stress_figure(runs):
-    """Return the figure of several runs, a column each: normal stresses above, shear stresses below."""
-    runs = [run for run in runs if _has_profiles(run)]
-    if not runs:
-        return None
-    figure = new_figure(1.2 + 3.6 * len(runs), 11.0)
-    panels = figure.subplots(2, len(runs), squeeze=False, sharex="row", sharey=True)
-    for column, run in enumerate(runs):
-        for row, quantity in enumerate(STRESSES):
-            _draw(panels[row, column], run, quantity, name_origin=False)
-            panels[row, column].set_xlabel(STRESSES[quantity])
-        panels[0, column].set_title(f"{chr(97 + column)}) {run.label}")
-    for row in panels:
-        row[0].set_ylabel("height (mm)")
-        start_at_zero(row, "x")
-        _fit(row)
-    handles = {}
-    for panel in panels[0]:
-        lines, labels = panel.get_legend_handles_labels()
-        handles.update(zip(labels, lines, strict=True))
-    columns = 5 if len(runs) > 3 else min(2, len(runs))
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=columns)
-    figure.suptitle(f"Wall stresses\n{LOPSIDED if any(run.lopsided for run in runs) else LEGEND}")
-    return figure
-
-
-def _fit(panels):
+def fit_bold(panels):
     """Let the bold curves fill the axis: single nodes in a corner may stick out."""
     bold = [line.get_xdata() for panel in panels for line in panel.get_lines() if line.get_linewidth() >= BOLD]
     largest = max((float(curve[np.isfinite(curve)].max(initial=0.0)) for curve in map(np.asarray, bold)), default=0.0)
@@ -70,11 +44,12 @@ def _fit(panels):
         panels[0].set_xlim(right=1.35 * largest)
 
 
-def _has_profiles(run) -> bool:
+def has_profiles(run) -> bool:
+    """Whether a run has stresses of its vertical walls."""
     return bool(run.walls["wall"].isin(["left", "right"]).any())
 
 
-def _draw(panel, run, quantity: str, name_origin: bool = True):
+def draw_stress(panel, run, quantity: str, name_origin: bool = True):
     """Draw one stress [kPa] against height [mm] for all states, with Janssen's theory."""
     for state, (color, width, label) in STATES.items():
         profiles = [run.profile(state, wall, quantity) for wall in ("left", "right")]

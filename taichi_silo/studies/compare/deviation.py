@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from taichi_silo.runs.result import Result
-from taichi_silo.show.figures.forces import angle, running_median
+from taichi_silo.show.figures.forces import curve
 from taichi_silo.show.report.states import wall_profile
 from taichi_silo.studies.compare.measured import Measured
 
@@ -54,34 +54,3 @@ def _row(run: Result, measured: Measured, name: str, where: tuple[str, str], kno
     share = (None, None) if not peak else (100.0 * rms / peak, 100.0 * float(deviation[k]) / peak)
     span = (len(place), measured.place, float(place[0]), float(place[-1]))
     return (*head, *span, rms, float(deviation[k]), float(place[k]), peak, *share)
-
-
-def curve(run: Result, name: str, place: str = "displacement_m") -> tuple[np.ndarray, np.ndarray]:
-    """Places and values [N/m, or degrees] of a run's curve: the state after filling, then the flow's running median.
-
-    Parameters
-    ----------
-    run : of a silo.
-    name : P, T, N, left_normal, left_shear, right_normal, right_shear, or angle.
-    place : "displacement_m", or "time_s" since the outflow began.
-
-    """
-    rows = run.flow
-    if rows.empty:
-        return np.zeros(0), np.zeros(0)
-    begin = 0.0
-    if place == "time_s":
-        begin = run.filling["time_s"].iloc[-1] if len(run.filling) else rows["time_s"].iloc[0]
-    x, y = rows[place] - begin, pd.Series(_values(rows, name), index=rows.index)
-    y = running_median(x, y)
-    x, y = x.to_numpy(float), y.to_numpy(float)
-    if run.filled is not None and x[0] > 0.0:
-        x, y = np.append(0.0, x), np.append(float(_values(run.filled, name)), y)
-    known = np.isfinite(y)
-    return x[known], y[known]
-
-
-def _values(rows, name: str):
-    if name == "angle":
-        return angle(rows)
-    return rows[name if name in ("P", "T", "N") else f"{name}_N_per_m"]

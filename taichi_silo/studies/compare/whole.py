@@ -8,9 +8,9 @@ import pandas as pd
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import no_link, writable
+from taichi_silo.show.figures.compare import plot_compared
 from taichi_silo.studies.compare import differences as tables
 from taichi_silo.studies.compare.deviation import deviations
-from taichi_silo.studies.compare.figures import draw
 from taichi_silo.studies.compare.measured import read
 from taichi_silo.utils import atomic_write
 from taichi_silo.utils.bounded_reading import as_left, place
@@ -81,7 +81,7 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, csv: list[Path
             files.append(output / name)
             with atomic_write.written(files[-1]) as passing:
                 table.to_csv(passing, index=False, encoding="utf-8")
-    return Comparison(runs, *left.values(), files + draw(runs, measured, janssen, output))
+    return Comparison(runs, *left.values(), files + plot_compared(runs, measured, janssen, output))
 
 
 def read_runs(folders: list[Path]) -> list[Result]:
