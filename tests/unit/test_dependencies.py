@@ -1,17 +1,44 @@
-"""What the package imports is what pyproject.toml asks for: nothing less, and nothing more."""
+"""What the package imports, what pyproject.toml asks for, what is locked and what is installed are the same."""
 
 import ast
+import importlib.metadata
+import re
+import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
-from checks.lock import ROOT, declared
+import pytest
+from packaging.markers import default_environment
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
+ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "taichi_silo"
 NAMES = {"PIL": "pillow", "tomli_w": "tomli-w", "dask_jobqueue": "dask-jobqueue"}
 BROUGHT = {  # by what is built on them
     "imageio_ffmpeg": "imageio", "dask": "distributed", "pydantic_core": "pydantic", "markupsafe": "jinja2",
 }  # fmt: skip
 OPTIONAL = ("cluster", "drawings")  # parts that a user may leave out
+MACHINES = [("linux", "Linux", "posix"), ("darwin", "Darwin", "posix"), ("win32", "Windows", "nt")]
+LOCK = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+
+
+def by_name(lines) -> dict[str, Requirement]:
+    found = map(Requirement, lines)
+    return {canonicalize_name(one.name): one for one in found if one.name != "taichi-silo"}
+
+
+TABLES = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT, BUILD = TABLES["project"], TABLES["tool"]["hatch"]["build"]["targets"]
+CORE = by_name(PROJECT["dependencies"])
+EXTRAS = {part: by_name(lines) for part, lines in PROJECT["optional-dependencies"].items()}
+ASKED = [(name, one) for part in (CORE, *EXTRAS.values()) for name, one in part.items()]
+LINES = [line for line in LOCK.replace("\\\n", " ").splitlines() if line and not line.startswith("#")]
+PINS = by_name(line.split("--hash=")[0] for line in LINES)
+
+
+# --- what is imported -------------------------------------------------------------------------------------------------
 
 
 def imports(file: Path, at_once: bool = False) -> set[str]:
@@ -36,20 +63,59 @@ def packages(names: set[str]) -> set[str]:
 
 
 def test_everything_imported_is_asked_for_and_everything_asked_for_is_imported():
-    parts = declared()
-    wanted = set(parts["core"]).union(*(parts[part] for part in OPTIONAL))
-    files = [*PACKAGE.rglob("*.py"), *(ROOT / "scenarios").glob("*.py")]
-    assert packages(set().union(*map(imports, files))) == wanted
+    files = [*PACKAGE.rglob("*.py"), *(ROOT / file for file in BUILD["wheel"]["force-include"])]
+    assert packages(set().union(*map(imports, files))) == set(CORE).union(*(EXTRAS[part] for part in OPTIONAL))
 
 
 def test_the_program_starts_without_what_a_user_may_leave_out():
-    """Modules that need it are imported by a function that begins a sweep, and nowhere else."""
-    optional = {name for part in OPTIONAL for name in declared()[part]}
-    at_once = {
-        ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): imports(file, at_once=True)
-        for file in PACKAGE.rglob("*.py")
-    }
-    need = {module for module, names in at_once.items() if packages(names) & optional}
-    while more := {module for module, names in at_once.items() if names & need} - need:
-        need |= more
-    assert not need
+    optional = {name for part in OPTIONAL for name in EXTRAS[part]}
+    assert not [file for file in PACKAGE.rglob("*.py") if packages(imports(file, at_once=True)) & optional]
+
+
+# --- what is locked ---------------------------------------------------------------------------------------------------
+
+
+def test_everything_that_is_asked_for_is_locked_at_one_version_within_its_range():
+    assert len(PINS) > 80
+    for name, pin in PINS.items():
+        assert [one.operator for one in pin.specifier] == ["=="] and not pin.url, name
+    for name, one in ASKED:
+        (pin,) = PINS[name].specifier
+        assert one.specifier.contains(pin.version), f"{name} {pin.version}; `make lock`"
+
+
+def test_every_file_has_a_known_hash_and_none_a_place_to_load_it_from():
+    for line in LINES:
+        hashes = [one.strip() for one in line.split("--hash=")[1:]]
+        assert hashes and all(re.fullmatch(r"sha256:[0-9a-f]{64}", one) for one in hashes), line[:60]
+    assert not re.search(r"://|@|--(extra-)?index-url|--find-links|--trusted-host", LOCK)
+
+
+@pytest.mark.parametrize("system", MACHINES, ids=lambda system: system[1])
+@pytest.mark.parametrize("python", ["3.11.5", "3.12.0", "3.13.0"])
+def test_what_this_project_asks_for_is_locked_for_every_system_and_python(python, system):
+    there = dict(zip(("sys_platform", "platform_system", "os_name"), system, strict=True))
+    there |= {"python_full_version": python, "python_version": python.rpartition(".")[0]}
+    environment = {str(name): str(value) for name, value in default_environment().items()} | there
+    for name, _ in ASKED:
+        assert PINS[name].marker is None or PINS[name].marker.evaluate(environment), name
+
+
+# --- what is installed ------------------------------------------------------------------------------------------------
+
+
+def test_what_is_installed_is_what_is_locked():
+    made = Path(sys.prefix) / ".ready"
+    if not made.exists() or made.read_text(encoding="utf-8") != LOCK:
+        pytest.skip("this environment was not made from this lock; `make setup` makes one that is")
+    here = {canonicalize_name(one.metadata["Name"]): one.version for one in importlib.metadata.distributions()}
+    here.pop("taichi-silo")
+    assert here.keys() == {name for name, pin in PINS.items() if pin.marker is None or pin.marker.evaluate()}
+    assert all(PINS[name].specifier.contains(version) for name, version in here.items())
+
+
+@pytest.mark.parametrize(("only", "code"), [((), 0), (("--allow-only", "MIT"), 1)])
+def test_no_licence_of_what_is_installed_binds_this_project(only, code):
+    """pyproject.toml says which licences may be used; with fewer of them it would be noticed."""
+    done = subprocess.run([sys.executable, "-m", "piplicenses", *only], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == code, done.stderr

@@ -1,1 +1,0 @@
-"""What this project is built on: checked against its lock."""
