@@ -245,12 +245,11 @@ class PhaseLoop:
 class Threads:
     """Plain loops on the threads of a processor, each with its own points, rows and copy of the sums."""
 
-    atomic = False
-
     def __init__(self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape):
         threads = runtime.threads()
         if grid.copies != threads:
             raise ValueError(f"grid has {grid.copies} copies of its sums; {threads} threads need as many")
+        self.threads = threads
         self.loop, self.store = PhaseLoop(phases, grid, threads), Fields(particles, grid, shape, atomic=False)
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
@@ -281,7 +280,7 @@ class Threads:
 class Tasks:
     """One parallel task a phase, with atomic sums, as on a GPU; some steps a launch."""
 
-    atomic = True
+    threads = 1
 
     def __init__(self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape):
         self.phases, self.grid, self.particles = tuple(phase[:3] for phase in phases), grid, particles

@@ -1,5 +1,6 @@
 """The explicit step, in the order of the paper's section 3."""
 
+import math
 from collections.abc import Sequence
 from types import SimpleNamespace
 
@@ -101,6 +102,11 @@ class Solver:
             return Simd(phases, self.particles, self.grid, self.shape, self.surroundings)
         return (Tasks if atomic else Threads)(phases, self.particles, self.grid, self.shape)
 
+    @property
+    def threads(self) -> int:
+        """Number of CPU threads that share a step; 1 on a GPU."""
+        return self.executor.threads
+
     # --- the step -------------------------------------------------------------------------------------------------
 
     def phases(self) -> list[Phase]:
@@ -163,6 +169,17 @@ class Solver:
             chunk = min(steps - done, self.averaging.steps_within(fastest, dt))
             self.executor.run(done, chunk, steps, dt, *schedule)
             done += chunk
+
+    def run_for(
+        self, duration_s: float, gravity: float = 0.0, plate_velocity: float = 0.0, safety: float = 0.9
+    ) -> float:  # fmt: skip
+        """Advance by a time in equal steps, of at most `safety` times what is stable now; returns the step [s].
+
+        `gravity` [m/s2] acts along `down`, `plate_velocity` [m/s] moves the walls that have a `motion`.
+        """
+        steps = max(1, math.ceil(duration_s / (safety * self.point_sums().stable_step)))
+        self.advance(steps, duration_s / steps, (gravity, gravity), (plate_velocity, plate_velocity))
+        return duration_s / steps
 
     def point_sums(self) -> SimpleNamespace:
         """What `PointSums` finds, and `stable_step`: the shape's stable fraction of the least h / (c + |v|) [s].

@@ -41,11 +41,10 @@ def hindrance(solver) -> str:
 class Simd:
     """Runs phases over groups of eight points (`executors` says what an executor is, `store.Layout` its arrays)."""
 
-    atomic = False
-
     def __init__(self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape, surroundings):
         self.particles, self.grid, self.shape = particles, grid, shape
-        self.loop = PhaseLoop(phases, grid, runtime.threads())
+        self.threads = runtime.threads()
+        self.loop = PhaseLoop(phases, grid, self.threads)
         self.layout = Layout(particles, grid, shape, surroundings, max(STRIPS, self.loop.threads))
         self.points = ti.ndarray(eight, self.layout.groups * self.layout.record)
         self.sums = ti.ndarray(eight, self.layout.strips * grid.nodes)
