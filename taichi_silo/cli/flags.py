@@ -27,6 +27,7 @@ NAMES = {  # of flags that are not called as the last part of their path
 OF_FIDELITY = ("grid.cell_size_m", "grid.points_per_cell", "flow.speed_m_per_s")  # what a named fidelity may set
 TIME_STEP, AUTO = "method.time_step_s", "auto"
 NONE: Mapping[str, str] = {}
+DEFAULT = Scene()
 METHOD = tuple(f"method.{name}" for name in MethodOptions.model_fields)
 
 
@@ -48,7 +49,7 @@ def kind_of(path: str) -> Any:
         return str
     inner = typing.get_args(annotation(path)) or (annotation(path),)
     kind = next((one for one in (int, float) if one in inner and not ENTRIES[path].choices), str)
-    return kind | None if default_of(Scene(), path) is None else kind
+    return kind | None if default_of(DEFAULT, path) is None else kind
 
 
 def default_of(scene: Scene, path: str) -> Any:
@@ -117,7 +118,7 @@ def with_method_flags(function: Callable[..., Any]) -> Callable[..., Any]:
         own = {path.removeprefix("method."): one for path, one in given(values, METHOD).items()}
         return function(**{p.name: values[p.name] for p in others}, **{group: own})
 
-    return with_parameters(functools.wraps(function)(spread), [*others, *parameters(Scene(), METHOD)])
+    return with_parameters(functools.wraps(function)(spread), [*others, *parameters(DEFAULT, METHOD)])
 
 
 def with_parameters(function: Callable[..., Any], found: list[inspect.Parameter]) -> Callable[..., Any]:

@@ -7,9 +7,6 @@ from typing import Any
 
 from taichi_silo.cli import command_line, flags, model_silo
 from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
-from taichi_silo.runs.observers.progress import ProgressLine
-from taichi_silo.runs.run_folder import free_name
-from taichi_silo.runs.session import run
 from taichi_silo.scene.dotted_paths import tables_with
 from taichi_silo.scene.fidelity import STANDARD, Fidelity
 from taichi_silo.scene.fidelity import fidelity as named_fidelity
@@ -72,11 +69,14 @@ def silo_scenario(
         if explain:
             command_line.explain(wanted)
             return None
+        from taichi_silo.runs import run_folder, session  # not needed to show the flags
+        from taichi_silo.runs.observers.progress import ProgressLine
+
         usual = Path("outputs") / f"{name(wanted)}_e{wanted.sand.void_ratio:.2f}_{wanted.walls.kind}"
-        folder = output.expanduser() if output else free_name(usual)
+        folder = output.expanduser() if output else run_folder.free_name(usual)
         console.say(f"The run goes to {folder}.")
         lines = ProgressLine(console.terminal)
-        command_line.tell(run(wanted, folder, overwrite=overwrite, film=film, extra=(lines,)), console)
+        command_line.tell(session.run(wanted, folder, overwrite=overwrite, film=film, extra=(lines,)), console)
         return folder
 
     sand, *others = [one for one in inspect.signature(scenario).parameters.values() if one.name != "values"]

@@ -1,6 +1,7 @@
 """Named settings between cheap and accurate, `fidelity.toml`, with what the chart measured of each."""
 
 import tomllib
+from functools import cache
 from pathlib import Path
 
 from taichi_silo.errors import BadInput
@@ -34,6 +35,7 @@ class Fidelity(Options):
         return f"error {forces} against {self.reference}; {self.cost_core_seconds:.3g} core-seconds in the chart"
 
 
+@cache
 def fidelities(file: Path = FILE) -> dict[str, Fidelity]:
     """All of a file, by name."""
     tables = tomllib.loads(file.read_text(encoding="utf-8"))

@@ -1,7 +1,7 @@
 """Named sands, and files with one's own."""
 
 import tomllib
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
@@ -18,7 +18,7 @@ NOTES = ("title", "source", "read_in")
 
 def published() -> dict[str, dict]:
     """Every named sand: its constants, `title`, `source`, and `read_in`, where the numbers were read."""
-    return tomllib.loads((files("taichi_silo.scene") / "sands.toml").read_text())
+    return tomllib.loads(Path(__file__).with_name("sands.toml").read_text(encoding="utf-8"))
 
 
 def sand(name_or_file: str, void_ratio: float, **more: Any) -> Sand:

@@ -8,8 +8,9 @@ import typer
 from typer.main import get_command
 from written import beside, blocks
 
-from taichi_silo.cli import app, catalogue, command_line, scenario
+from taichi_silo.cli import app, catalogue, command_line
 from taichi_silo.cli.commands.run import scene_file
+from taichi_silo.runs import session
 from taichi_silo.scene.scene import Scene
 
 LINES = [
@@ -33,7 +34,7 @@ def parse(command, words):
 def wanted(monkeypatch):
     """Scenes that scenarios would have run."""
     scenes = []
-    monkeypatch.setattr(scenario, "run", lambda scene, folder, **_: scenes.append(scene) or folder)
+    monkeypatch.setattr(session, "run", lambda scene, folder, **_: scenes.append(scene) or folder)
     monkeypatch.setattr(command_line, "tell", lambda *_: None)
     return scenes
 
