@@ -1,15 +1,20 @@
-"""What the stability map says of a user's choices: said before the run starts, and kept in its summary.
+"""Known limits of what is computed: where a choice of method fails, and which results of a scene are not converged.
 
-Each sentence is a red cell of the map that the choice can reach in a silo (`scenarios/stability.py` measures them).
+The first are said before a run starts and kept in its summary: each is a cell of the stability map
+(`scenarios/stability.py`) that the choice can reach in a silo. The second stand in the report of a run.
 """
 
 from taichi_silo.mpm.shapes import SHAPES
+from taichi_silo.scene.fidelity import like
 from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.symmetry import SLENDER
 
 NOISY = ("apic", "gradient", "xpic", "blend", "pic")
+FEWEST_CELLS = 10  # that an outlet should be wide
+SLOW = 0.002  # m/s, in the silo of 0.5 m: below it N has no trend any more
 
 
-def known_limits(scene: Scene) -> list[str]:
+def of_method(scene: Scene) -> list[str]:
     """One sentence for each choice that is known to fail somewhere."""
     method, found = scene.method, []
     if scene.grid.shape == "linear":
@@ -48,4 +53,75 @@ def known_limits(scene: Scene) -> list[str]:
             f"Mass scaling by {method.mass_scaling:g} makes the sand feel a bottom {method.mass_scaling**0.5:.3g} "
             "times as fast: N and P between very rough walls change as with that speed."
         )
+    return found
+
+
+def of_results(scene: Scene) -> list[str]:
+    """One sentence for each result of a scene that is known not to be converged, the weightiest first."""
+    found, silo, cell, speed = [], scene.silo, scene.grid.cell_size_m, scene.flow.speed_m_per_s
+    rough, free = scene.walls.kind == "very-rough", scene.flow.outflow == "gravity"
+    if rough:
+        found.append(
+            "Wall normal forces N and wall normal stresses between very rough walls are not converged: of dense sand "
+            "in a silo of 0.2 m × 0.5 m N gains 11 % from 10 to 5 mm cells and, with a local law, as much again to "
+            "2.5 mm; T changes by 1 to 4 %."
+        )
+        found.append(
+            "The largest wall stresses between very rough walls, and which wall has them beside an eccentric outlet, "
+            "depend on the floor's friction, too."
+        )
+    named = like(cell, speed) if rough and not free else None
+    if named and named[1].error_N is not None:
+        found.append(
+            f"Cells and speed are those of the fidelity {named[0]}. In the silo of 0.2 m × 0.5 m with dense sand it "
+            f"errs by {named[1].error_P:.0%} in P, {named[1].error_T:.1%} in T, {named[1].error_N:.1%} in N and "
+            f"{named[1].error_profile:.0%} in the wall stresses, against {named[1].reference}."
+        )
+    if scene.averaging.kernel(scene.sand, scene.spacing_m)[0] is None:
+        found.append(
+            f"The law has no length of its own on this grid: shear zones are one to two cells ({1e3 * cell:g} to "
+            f"{2e3 * cell:g} mm) thick, and what depends on their thickness depends on the grid."
+        )
+    if rough and scene.sand.loose:
+        found.append(
+            "Loose sand between very rough walls splits into bands one cell high while it is filled in; P, T and N "
+            "scatter by 2 to 4 % between runs that differ in nothing but rounding."
+        )
+    if not silo.floor_is_outlet:
+        found += _of_outlet(scene)
+    if rough and not free and speed > SLOW * 1.001:
+        found.append(
+            f"The outflow is driven at {1e3 * speed:g} mm/s. Between very rough walls N falls with the speed: at "
+            f"20 mm/s it is some 11 to 14 % below that at {1e3 * SLOW:g} mm/s, from where on it keeps its value."
+        )
+    if silo.height_m > SLENDER * silo.width_m:
+        found.append(
+            "Slender silos with fine cells still ratchet in flow: look at the unexplained densification of the "
+            "certificate."
+        )
+    if scene.filling.kind in ("layers", "rain"):
+        found.append(
+            "Sand filled in by layers or rain pressed on smooth walls by 29 to 36 % more than sand whose weight grows: "
+            "noise of the filling that flow does not take back."
+        )
+    return found
+
+
+def _of_outlet(scene: Scene) -> list[str]:
+    left, right = scene.silo.outlet_m
+    found, cells = [], (right - left) / scene.grid.cell_size_m
+    if cells < FEWEST_CELLS - 1e-6:
+        found.append(
+            f"The outlet is {cells:.3g} cells wide, and half a cell of sand is held beside each of its "
+            f"edges: it should be {FEWEST_CELLS} cells or more."
+        )
+    if scene.grid.points_per_cell == 1:
+        found.append(
+            "Sand that flows across a grid that stands still, with one point a cell, carries stripes of two cells in "
+            "void ratio and stress."
+        )
+    if scene.silo.hopper is not None or scene.silo.inserts:
+        found.append("On inclined walls single rows of the grid mean little; means over 50 mm do.")
+    if scene.flow.outflow == "gravity":
+        found.append("The noise control slows true transients that are shorter than some 40 ms (in the silo of 0.5 m).")
     return found

@@ -72,6 +72,11 @@ class Sand(Options):
             )
         return self
 
+    @property
+    def loose(self) -> bool:
+        """Whether it is looser than its critical void ratio without pressure, so that shear contracts it."""
+        return self.void_ratio > self.e_c0
+
     def law_for(self, turns_back: bool) -> str:
         """Name of the law: as given, or with memory only where strain turns back."""
         if self.law != "auto":

@@ -4,14 +4,9 @@ from taichi_silo.runs.result import Result
 from taichi_silo.scene.sand import Sand
 
 
-def loose(sand: Sand) -> bool:
-    """Whether sand is looser than its critical void ratio without pressure, so that shear contracts it."""
-    return sand.void_ratio > sand.e_c0
-
-
 def sand_title(sand: Sand, symbol: str = "$e_0$") -> str:
     """Loose or dense, with its initial void ratio; the symbol as figures write it, or "e₀" for other text."""
-    return f"initially {'loose' if loose(sand) else 'dense'} sand ({symbol} = {sand.void_ratio:.2f})"
+    return f"initially {'loose' if sand.loose else 'dense'} sand ({symbol} = {sand.void_ratio:.2f})"
 
 
 def title(run: Result, symbol: str = "$e_0$") -> str:

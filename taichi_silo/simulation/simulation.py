@@ -14,7 +14,7 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.solver import Solver
-from taichi_silo.scene.known_limits import known_limits
+from taichi_silo.scene import known_limits
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow
 from taichi_silo.simulation.alarm import Alarm, Alarms
@@ -63,7 +63,7 @@ class Simulation:
 
     def __init__(self, scene: Scene, control: NoiseControl | None = None, lanes: bool | None = None):
         self.scene = scene
-        self.warnings = known_limits(scene)  # sentences on what is known, and what observers find
+        self.warnings = known_limits.of_method(scene)  # sentences on what is known, and what observers find
         self.alarms = Alarms()  # what has been found wrong
         # mass scaling: heavier grains under a smaller gravity have the same weight
         self.law = scene.law

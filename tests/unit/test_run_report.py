@@ -15,12 +15,12 @@ from taichi_silo.errors import BadInput
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.runs.theories import hopper_of
+from taichi_silo.scene import known_limits
 from taichi_silo.scene.scene import Flow, Mesh, Scene, Walls
 from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
 from taichi_silo.show import theory
 from taichi_silo.show.report.drawing import drawing
 from taichi_silo.show.report.key import key_numbers
-from taichi_silo.show.report.limits import known_limits
 from taichi_silo.show.report.page import page, write_report
 from taichi_silo.show.report.parameters import parameter_tables
 from taichi_silo.show.report.states import (
@@ -367,15 +367,16 @@ def test_free_outflow_has_a_rate_and_no_quasi_static_limits(tmp_path):
 
 def test_known_limits_are_those_of_the_kind_of_run(tmp_path):
     rough = written(tmp_path / "rough", Scene(grid=Mesh(cell_size_m=0.01)))
-    assert any("not converged" in words for words in known_limits(rough))
+    assert any("not converged" in words for words in known_limits.of_results(rough.scene))
     narrow = Silo(outlet=Outlet(width_m=0.06))
     narrow = written(
         tmp_path / "narrow", Scene(silo=narrow, grid=Mesh(cell_size_m=0.01), flow=Flow(speed_m_per_s=0.02))
     )
-    assert any("6 cells wide" in words for words in known_limits(narrow))
-    assert any("driven at 20 mm/s" in words for words in known_limits(narrow))
+    assert any("6 cells wide" in words for words in known_limits.of_results(narrow.scene))
+    assert any("driven at 20 mm/s" in words for words in known_limits.of_results(narrow.scene))
     smooth = written(tmp_path / "smooth", Scene(walls={"kind": "smooth", "friction_angle_deg": 19.0}))
-    assert known_limits(smooth) == []
+    (words,) = known_limits.of_results(smooth.scene)
+    assert "no length of its own on this grid" in words
 
 
 def test_a_run_without_anything_has_no_key_numbers_but_a_page(tmp_path):

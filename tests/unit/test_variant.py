@@ -10,7 +10,7 @@ import pytest
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.runs.observers.guard import Guard
-from taichi_silo.scene.known_limits import known_limits
+from taichi_silo.scene import known_limits
 from taichi_silo.scene.method_options import MethodOptions
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.simulation.discharge import Ledger
@@ -73,7 +73,7 @@ def test_the_defaults_are_those_that_the_map_recommends_and_warn_of_nothing():
     assert MethodOptions() == MethodOptions(
         transfer="flip", stress_update="last", stress_filter="none", mass_scaling=1.0
     )
-    assert known_limits(Scene()) == []
+    assert known_limits.of_method(Scene()) == []
 
 
 @pytest.mark.parametrize(
@@ -89,7 +89,7 @@ def test_the_defaults_are_those_that_the_map_recommends_and_warn_of_nothing():
     ],
 )
 def test_a_choice_with_a_known_weakness_is_told_so(changes, word):
-    (sentence,) = known_limits(Scene(**changes))
+    (sentence,) = known_limits.of_method(Scene(**changes))
     assert word in sentence
 
 

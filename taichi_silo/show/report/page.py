@@ -10,13 +10,12 @@ from markupsafe import Markup
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.result import FILM, Result
 from taichi_silo.runs.run_folder import MADE, no_link, writable
-from taichi_silo.scene import sands
+from taichi_silo.scene import known_limits, sands
 from taichi_silo.show import html
 from taichi_silo.show.figures import plot_run
 from taichi_silo.show.report import tables
 from taichi_silo.show.report.drawing import drawing
 from taichi_silo.show.report.key import in_one_sentence, key_numbers
-from taichi_silo.show.report.limits import known_limits
 from taichi_silo.show.report.parameters import parameter_tables
 from taichi_silo.show.report.story import story
 from taichi_silo.show.report.trust import verdict
@@ -108,7 +107,7 @@ def page(run: Result, trouble: Sequence[str] = ()) -> str:
         cards=key_numbers(run),
         verdict=verdict(run),
         warnings=run.summary.get("warnings") or [],
-        limits=known_limits(run),
+        limits=known_limits.of_results(run.scene),
         story=story(run, _sand(run)),
         parts=run.summary.get("parts") or [],
         film=_film(run.folder / FILM),
