@@ -26,7 +26,7 @@ def data_uri(content: bytes, kind: str) -> str:
 
 
 def jpeg(picture: Image.Image | None, width: int) -> str | None:
-    """A picture as data, at most so many pixels wide; None of none."""
+    """A picture as JPEG data, at most so many pixels wide; None if there is no picture."""
     if picture is None:
         return None
     picture.thumbnail((width, 4 * width))

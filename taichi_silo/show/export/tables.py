@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from taichi_silo.runs.result import Result
-from taichi_silo.show.export.states import states
+from taichi_silo.show.export import states
 
 COMPONENTS = {"velocity": ("x", "y"), "stress_Pa": ("xx", "yy", "zz", "xy")}
 NAMES = {"velocity": "velocity_{}_m_per_s", "stress_Pa": "stress_{}_Pa"}
@@ -16,7 +16,7 @@ DIGITS = {np.dtype(np.float32): 7, np.dtype(np.float64): 10}
 
 
 def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) -> int:
-    """Write a folder of tables; it is there when all are complete, or not at all.
+    """Write all states of a run into a folder of tables, which is there when all are complete, or not at all.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from taichi_silo.runs.result import Result
-from taichi_silo.show.export.states import states
+from taichi_silo.show.export import states
 from taichi_silo.utils import atomic_write, vtu
 
 VERSION = (2, 0)
@@ -21,7 +21,7 @@ PACKED = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 
 
 def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) -> int:
-    """Write it; it is there when it is complete, or not at all.
+    """Write all states of a run into a file, which is there when it is complete, or not at all.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) ->
 
 
 class Sink(io.RawIOBase):
-    """A file that keeps its troubles from HDF5, which would leave objects behind that end the process later.
+    """A file whose write errors are kept until `check`: HDF5 cannot bear them, and would end the process later.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class Sink(io.RawIOBase):
         self.stream, self.trouble, self.place = stream, None, 0
 
     def write(self, data) -> int:
-        """All of it, or nothing if the file has no room, or had none before."""
+        """Write all of the data; nothing after a first error."""
         rest, size = memoryview(data).cast("B"), memoryview(data).nbytes
         try:
             self.stream.seek(self.place)
@@ -77,7 +77,7 @@ class Sink(io.RawIOBase):
         return size
 
     def readinto(self, buffer) -> int:
-        """What is there; zeros beyond."""
+        """Read what the file holds; zeros beyond its end."""
         view = memoryview(buffer).cast("B")
         self.stream.seek(self.place)
         got = self.stream.readinto(view)
@@ -86,7 +86,7 @@ class Sink(io.RawIOBase):
         return len(view)
 
     def truncate(self, size: int | None = None) -> int:
-        """Nothing is cut off a file that had no room."""
+        """Cut the file off; an error is kept."""
         try:
             return self.stream.truncate(self.place if size is None else size)
         except OSError as error:
@@ -115,7 +115,7 @@ class Series:
         self.root, self.data = root, {}
 
     def append(self, position: np.ndarray, arrays: dict[str, np.ndarray]) -> None:
-        """One state, at the end of all arrays."""
+        """Add one state at the end of all arrays."""
         count = len(position)
         number = np.arange(count + 1, dtype=np.int64)
         self._extend("Points", vtu.spatial(position))
@@ -141,7 +141,7 @@ class Series:
 
 
 def _steps(root: h5py.Group, counts: np.ndarray, times: np.ndarray, names: list[str]) -> None:
-    """Where each state begins."""
+    """Write the group `Steps`: where each state begins in each array."""
     before = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     steps = root.create_group("Steps")
     steps.attrs["NSteps"] = len(times)

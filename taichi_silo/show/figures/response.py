@@ -77,13 +77,13 @@ def response_figure(table: pd.DataFrame, varied: list[str], response) -> Figure 
 
 
 def label(column: str) -> str:
-    """Of an axis, with its unit."""
+    """Label of an axis for a column of the sweep's table, with its unit."""
     name, unit, _ = _parts(column)
     return f"{name} ({unit})"
 
 
 def _parts(column: str) -> tuple[str, str, float]:
-    """Name, unit, and factor from what the table holds."""
+    """Name and unit of a column, and the factor from the table's unit to that one."""
     suffix = next((suffix for suffix in UNITS if column.endswith(suffix)), "")
     unit, factor = UNITS.get(suffix, ("-", 1.0))
     plain = column.removesuffix(suffix)
@@ -99,7 +99,7 @@ def _parts(column: str) -> tuple[str, str, float]:
 
 
 def _panel(figure, panel, table: pd.DataFrame, x: str, y: str, colour: str | None, others: list[str]) -> None:
-    """One quantity: runs of a grid that are alike in all others are joined."""
+    """Draw the response against one varied quantity; runs of a grid that are alike in all others are joined."""
     places, ticks = _places(table[x], _parts(x)[2])
     answers = table[y].to_numpy(float) * _parts(y)[2]
     there = ~np.isnan(answers)
@@ -139,7 +139,7 @@ def _panel(figure, panel, table: pd.DataFrame, x: str, y: str, colour: str | Non
 
 
 def _join(panel, line: list[int], places: np.ndarray, answers: np.ndarray, shades: list) -> None:
-    """A line through runs, grey if they differ in colour."""
+    """Draw a line through runs, grey if they differ in colour."""
     alike = len({str(shades[k]) for k in line}) == 1
     color = shades[line[0]] if alike else REFERENCE
     if len(line) > 1:
@@ -147,12 +147,12 @@ def _join(panel, line: list[int], places: np.ndarray, answers: np.ndarray, shade
 
 
 def _title(values: pd.Series) -> str:
-    """Of a legend."""
+    """Title of a legend that explains a column."""
     return label(values.name) if _is_number(values) else _parts(values.name)[0]
 
 
 def _places(values: pd.Series, factor: float) -> tuple[np.ndarray, list[str] | None]:
-    """Where they stand on an axis, and what is written there if they are words."""
+    """Places of a column's values on an axis, and the words written there if they are no numbers."""
     if _is_number(values):
         return values.to_numpy(float) * factor, None
     words = [_word(value) for value in values]
@@ -161,7 +161,7 @@ def _places(values: pd.Series, factor: float) -> tuple[np.ndarray, list[str] | N
 
 
 def _shades(values: pd.Series) -> tuple[list, list[Line2D], ScalarMappable | None]:
-    """A colour for each, and what explains them: words or few numbers, or a bar."""
+    """A colour for each value of a column, and handles of a legend or a colour bar that explain them."""
     if not _is_number(values):
         words = [_word(value) for value in values]
         known = dict(zip(dict.fromkeys(words), WORDS * (1 + len(words)), strict=False))
@@ -177,14 +177,14 @@ def _shades(values: pd.Series) -> tuple[list, list[Line2D], ScalarMappable | Non
 
 
 def _ranks(values: pd.Series) -> np.ndarray:
-    """From 0 to 1 in their order, of words in that of their first places; alone in the middle."""
+    """Rank of each value, 0 to 1; words are ranked as they first occur, a single value has 0.5."""
     places = _places(values, 1.0)[0]
     known = sorted(set(places))
     return np.array([known.index(one) / (len(known) - 1) if len(known) > 1 else 0.5 for one in places])
 
 
 def _marks(table: pd.DataFrame, columns: list[str]) -> tuple[list[str], list[Line2D]]:
-    """A marker for each row after the first column that has few values, and what explains them."""
+    """A marker for each row by the first of the columns that has few values, and handles of a legend for them."""
     for column in columns:
         words = [_word(value) for value in table[column]]
         known = dict(zip(dict.fromkeys(words), MARKS, strict=False))

@@ -18,7 +18,7 @@ ARROW = 7.0
 
 
 class Sheet:
-    """Collects SVG; places in metres from the silo's left wall and floor, y upwards."""
+    """A drawing in SVG of shapes given in metres from the silo's left wall and floor, y upwards."""
 
     def __init__(self, silo: Silo):
         self.scale = min(TALL / silo.height_m, WIDE / silo.width_m)
@@ -68,7 +68,7 @@ class Sheet:
             self.words(middle[0], middle[1] - 7.0, text)
 
     def svg(self, title: str) -> str:
-        """The whole."""
+        """The drawing as an SVG element with this title."""
         wide, high = self.size
         head = f'<svg class="silo" viewBox="0 0 {wide:.0f} {high:.0f}" role="img" aria-label="{escape(title)}">'
         return "\n".join([head, f"<title>{escape(title)}</title>", *self.parts, "</svg>"])

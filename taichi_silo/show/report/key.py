@@ -18,7 +18,7 @@ PATTERNS = {"mass": "mass flow", "mixed": "mixed flow", "funnel": "funnel flow"}
 
 @dataclass(frozen=True)
 class Card:
-    """One of them: name, value with unit, and a sentence below."""
+    """A key number: its name, its value with unit, and a sentence below."""
 
     name: str
     value: str
@@ -27,7 +27,7 @@ class Card:
 
 
 def key_numbers(run: Result) -> list[Card]:
-    """Those that the run can tell."""
+    """The key numbers that the files of a run tell."""
     cards = [_hopper(run), _stress(run), *_forces(run), _overpressure(run), _pattern(run), _discharge(run)]
     return [card for card in cards if card is not None]
 
@@ -144,7 +144,7 @@ def _discharge(run: Result) -> Card | None:
 
 
 def in_one_sentence(run: Result) -> str:
-    """What was computed, for the line below the title."""
+    """Say in one sentence what was computed; it stands below the title."""
     silo, flow = run.scene.silo, run.scene.flow
     body = f"A round silo {mm(silo.width_m)} in diameter" if silo.section == "round" else (
         f"A silo between parallel walls {mm(silo.width_m)} apart"

@@ -26,7 +26,7 @@ PROGRAM = {  # what no scene has
 
 @dataclass(frozen=True)
 class Parameter:
-    """One: dotted path in its table, value as in `run.toml`, unit, meaning."""
+    """A parameter: dotted path in its table, value as in `run.toml`, unit, meaning."""
 
     name: str
     value: str
@@ -44,8 +44,8 @@ def parameter_tables(parameters: dict) -> list[tuple[str, list[Parameter]]]:
     for name in names:
         rows = []
         for path, value in _flat(name, parameters[name]):
-            own = re.sub(r"\.\d+(?=\.|$)", "[]", path)
-            unit, means = known.get(own) or known.get(f"{own}[]") or ("", "")
+            own = re.sub(r"\.\d+(?=\.|$)", ".0", path)  # which stands for each entry of a list
+            unit, means = known.get(own) or known.get(f"{own}.0") or ("", "")
             rows.append(Parameter(path.removeprefix(f"{name}."), _words(value), unit, means))
         tables.append((TITLES.get(name, name), rows))
     return tables

@@ -79,7 +79,7 @@ def _value(row, name: str) -> float | None:
 
 
 def largest_wall_stress(run: Result, states: tuple[str, ...] = tuple(STATES)) -> Largest | None:
-    """The largest on the vertical walls, away from the corner, in the given states; None without wall profiles."""
+    """Largest normal stress on the vertical walls in the given states, away from the corner; None without profiles."""
     found = []
     for state in states:
         for wall in ("left", "right"):
@@ -95,7 +95,7 @@ def largest_wall_stress(run: Result, states: tuple[str, ...] = tuple(STATES)) ->
 
 
 def largest_of_all(run: Result) -> Largest | None:
-    """The largest of the three states and of the whole flow, of which the run keeps its greatest moment."""
+    """Largest wall stress of the three states and of the whole flow, of which the run keeps its greatest moment."""
     known, found = largest_wall_stress(run), run.summary.get("largest_wall_normal_stress_in_flow")
     if not found or (known is not None and known.stress_Pa >= found["normal_stress_Pa"] * (1.0 - SAME)):
         return known
@@ -104,7 +104,7 @@ def largest_of_all(run: Result) -> Largest | None:
 
 
 def largest_hopper_stress(run: Result) -> Largest | None:
-    """The largest on the walls of a hopper, as a mean over 50 mm, which single rows of the grid ask for."""
+    """Largest normal stress on the walls of a hopper, as a mean over 50 mm, which single rows of the grid ask for."""
     found = []
     for state in STATES:
         for wall in ("hopper_left", "hopper_right"):
@@ -119,7 +119,7 @@ def largest_hopper_stress(run: Result) -> Largest | None:
 def wall_profile(
     run: Result, state: str, quantity: str = "normal_stress_Pa", wall: str = "both"
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Rising heights [m] and stresses [Pa] as a pressure cell reads them; with "both" the mean of the two walls."""
+    """Rising heights [m] and stresses [Pa] along a wall (or the mean of "both") as a pressure cell reads them."""
     if wall != "both":
         height, stress = run.profile(state, wall, quantity)
         return height, cell_mean(height, stress)

@@ -32,7 +32,7 @@ class Table:
 
 
 def force_table(run: Result) -> Table:
-    """P, T, N and the wall friction angle in three states, and Janssen's theory after filling."""
+    """Table of P, T, N and the wall friction angle in three states, and Janssen's theory after filling."""
     forces, theory = forces_of(run), run.summary.get("janssen") or {}
     origins = [key for key in ORIGINS if f"normal_N_per_m_{key}" in theory]
     head = ["force", "after filling", *(f"Janssen, {ORIGINS[key]}" for key in origins), "peak in flow", "end of flow"]
@@ -95,7 +95,7 @@ def _force_note(run: Result, theory: dict) -> str:
 
 
 def stress_table(run: Result) -> Table | None:
-    """Wall normal stresses at some heights, with Janssen and EN 1991-4; None without wall profiles."""
+    """Table of wall normal stresses at some heights, with Janssen and EN 1991-4; None without wall profiles."""
     sides, silo = ("left", "right") if run.lopsided else ("both",), run.scene.silo
     if not len(wall_profile(run, "filling", wall=sides[0])[0]):
         return None
@@ -182,7 +182,7 @@ def _by_walker(law: WalkerHopper | None, height_m: float) -> str:
 
 
 def wall_zone_table(run: Result) -> Table | None:
-    """Thickness of the zones along the walls; None if none was measured."""
+    """Table of the thickness of the shear zones along the walls; None if none was measured."""
     zones = run.summary.get("shear_zones") or {}
     rows = []
     for side in ("left", "right"):
@@ -202,7 +202,7 @@ def wall_zone_table(run: Result) -> Table | None:
 
 
 def inner_zone_table(run: Result) -> Table | None:
-    """The zones inside; None if there are none."""
+    """Table of the shear zones inside the sand; None if there are none."""
     zones = (run.summary.get("zones_inside") or {}).get("zones") or []
     head = ("zone", "kind", "length", "thickness", "over d50", "inclination", "radius of curvature")
     rows = []
@@ -218,12 +218,12 @@ def inner_zone_table(run: Result) -> Table | None:
 
 
 def _zone(length_m: float | None) -> str:
-    """In mm; nobody measures zones to less than a tenth of one."""
+    """Length of a zone in mm, to three digits at most: nobody measures zones to less than a tenth of a mm."""
     return NONE if length_m is None else mm(length_m, 3)
 
 
 def residence_table(run: Result) -> Table | None:
-    """How long the sand stays; None where that was not measured."""
+    """Table of how long the sand stays in the silo; None where that was not measured."""
     found = run.summary.get("residence")
     if not found:
         return None

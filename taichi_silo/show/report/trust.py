@@ -1,20 +1,63 @@
 """How far to trust a run: the numbers of its quasi-static certificate beside their limits, and a verdict in words."""
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass
 
+from taichi_silo.runs.alarms.of_records import LONGEST_FALLING, LONGEST_STEP
 from taichi_silo.runs.result import Result
 from taichi_silo.show.report.words import number, plain, sentence
 
-BALANCE = 1e-9  # of the weight; round-off leaves 1e-15
-STEP, FALLING_STEP = 1.5, 4.0  # of the stable time step, beyond which runs are stopped; in free outflow
-NOISE, CONTROL = 0.01, 0.003
-INERTIAL = 1e-3
-DRIFT, UNEXPLAINED = 0.003, 0.003  # of void ratio
-CORE_PATH = 5e-4
-MIRROR = 1e-6  # of the weight: left and right wall of a symmetric silo with smooth walls
 RIGID = {"smooth": (0.9, 1.1), "very-rough": (0.0, 5.0)}
+DRIFT = "mean_void_ratio_drift"  # the one number whose sign says nothing
 MUST_HOLD = ("balance of forces", "books of the sand", "time step")  # whatever breaks these is wrong, not inexact
+SETTLED, ENERGY, STEP = "settled_before_flow", "kinetic_energy_over_rigid_motion", "largest_time_step_over_stable"
+CHECKS = (  # name, key of the certificate, upper limit of the size, of which runs, what it means
+    (
+        "balance of forces", "force_balance_residual_over_weight", 1e-9, "all",  # round-off leaves 1e-15
+        "bottom force and wall friction carry weight and inertia in every record; the rest over the weight",
+    ),
+    (
+        "time step", STEP, LONGEST_STEP, "all",
+        "largest time step over the stable one of that moment; beyond the limit the run would have been stopped",
+    ),
+    (
+        "books of the sand", "error_over_first_mass", 1e-9, "all",
+        "sand that has left and sand in the silo add up to what was filled in; the error over it",
+    ),
+    ("at rest before flow", SETTLED, None, "all", "the sand had come to rest before the outflow began"),
+    (
+        "inertial number", "inertial_number_99th_percentile", 1e-3, "controlled",
+        "how much inertia counts in the shear zones (99th percentile); below the limit flow is quasi-static",
+    ),
+    (
+        "noise of N", "noise_of_normal_force", 0.01, "controlled",
+        "scatter of the wall force about its moving mean, over the wall force",
+    ),
+    (
+        "force of the noise control", "largest_noise_control_force_over_weight", 0.003, "all",
+        "largest force with which the numerical noise control holds the sand, over the weight",
+    ),
+    (
+        "kinetic energy", ENERGY, None, "all",
+        "kinetic energy over that of the whole column at the speed of the bottom, least and largest",
+    ),
+    (
+        "unexplained densification", "unexplained_densification", 0.003, "controlled",
+        "void ratio lost by sand that has not been sheared: the mark of ratcheting",
+    ),
+    (
+        "drift of the void ratio", DRIFT, 0.003, "block",
+        "change of the mean void ratio in flow; a block that slides down has none",
+    ),
+    (
+        "strain in the core", "core_strain_path", 5e-4, "block",
+        "length of the strain's path in the middle of the silo; a block that slides down has none",
+    ),
+    (
+        "left against right", "left_right_difference_over_weight", 1e-6, "block",
+        "largest difference of the two walls' forces, over the weight",
+    ),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -39,7 +82,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Verdict:
-    """The whole: level is "good", "care" or "bad"."""
+    """How far to trust a run: level "good", "care" or "bad", title, words, and the numbers behind it."""
 
     level: str
     title: str
@@ -48,7 +91,7 @@ class Verdict:
 
 
 def verdict(run: Result) -> Verdict:
-    """What a run's certificate says; a run that did not end well is never good."""
+    """Verdict on a run from its certificate; a run that did not come to its end is never good."""
     checks = tuple(_checks(run))
     judged = [check for check in checks if check.passed is not None]
     wrong = [check.name for check in judged if not check.passed]
@@ -72,76 +115,25 @@ def verdict(run: Result) -> Verdict:
     return Verdict("good", "The flow is quasi-static and clean", sentence(count), checks)
 
 
-def _checks(run: Result):
-    found, walls = run.summary.get("certificate") or {}, run.scene.walls.kind
-    # sand that sinks as one block should not deform at all
-    block = walls == "smooth" and run.scene.silo.floor_is_outlet
-    controlled = not run.free
-    for name, key, limit, means in (
-        (
-            "balance of forces", "force_balance_residual_over_weight", BALANCE,
-            "bottom force and wall friction carry weight and inertia in every record; the rest over the weight",
-        ),
-        (
-            "time step", "largest_time_step_over_stable", STEP if controlled else FALLING_STEP,
-            "largest time step over the stable one of that moment; beyond the limit the run would have been stopped",
-        ),
-    ):  # fmt: skip
-        yield from _below(found, name, key, limit, means)
-    yield from _below(
-        run.summary.get("ledger") or {}, "books of the sand", "error_over_first_mass", BALANCE,
-        "sand that has left and sand in the silo add up to what was filled in; the error over it",
-    )  # fmt: skip
-    settled = found.get("settled_before_flow")
-    if settled is not None:
-        means = "the sand had come to rest before the outflow began"
-        yield Check("at rest before flow", means, "yes" if settled else "no", "should be yes", bool(settled))
-    yield from _below(
-        found, "inertial number", "inertial_number_99th_percentile", INERTIAL if controlled else None,
-        "how much inertia counts in the shear zones (99th percentile); below the limit flow is quasi-static",
-    )  # fmt: skip
-    yield from _below(
-        found, "noise of N", "noise_of_normal_force", NOISE if controlled else None,
-        "scatter of the wall force about its moving mean, over the wall force",
-    )  # fmt: skip
-    yield from _below(
-        found, "force of the noise control", "largest_noise_control_force_over_weight", CONTROL,
-        "largest force with which the numerical noise control holds the sand, over the weight",
-    )  # fmt: skip
-    yield from _rigid(found, walls)
-    yield from _below(
-        found, "unexplained densification", "unexplained_densification", UNEXPLAINED if controlled else None,
-        "void ratio lost by sand that has not been sheared: the mark of ratcheting",
-    )  # fmt: skip
-    yield from _below(
-        found, "drift of the void ratio", "mean_void_ratio_drift", DRIFT if block else None,
-        "change of the mean void ratio in flow; a block that slides down has none", size=abs,
-    )  # fmt: skip
-    yield from _below(
-        found, "strain in the core", "core_strain_path", CORE_PATH if block else None,
-        "length of the strain's path in the middle of the silo; a block that slides down has none",
-    )  # fmt: skip
-    yield from _below(
-        found, "left against right", "left_right_difference_over_weight", MIRROR if block else None,
-        "largest difference of the two walls' forces, over the weight",
-    )  # fmt: skip
-
-
-def _below(found: dict, name: str, key: str, limit: float | None, means: str, size: Callable = float):
-    """One check of a number against an upper limit, if the run has the number."""
-    value = found.get(key)
-    if value is None:
-        return
-    words = "no limit here" if limit is None else f"limit {'±' if size is abs else '≤ '}{plain(limit)}"
-    yield Check(name, means, number(value, 2), words, None if limit is None else bool(size(value) <= limit))
-
-
-def _rigid(found: dict, walls: str):
-    energy = found.get("kinetic_energy_over_rigid_motion")
-    if not energy:
-        return
-    low, high = RIGID.get(walls, RIGID["very-rough"])
-    limit = f"limit {plain(low)} to {plain(high)}" if low else f"limit ≤ {plain(high)}"
-    passed = low <= min(energy) and max(energy) <= high
-    means = "kinetic energy over that of the whole column at the speed of the bottom, least and largest"
-    yield Check("kinetic energy", means, f"{number(energy[0], 2)} to {number(energy[-1], 2)}", limit, passed)
+def _checks(run: Result) -> Iterator[Check]:
+    """Each number of the certificate that the run has."""
+    found, walls = (run.summary.get("certificate") or {}) | (run.summary.get("ledger") or {}), run.scene.walls.kind
+    block = walls == "smooth" and run.scene.silo.floor_is_outlet  # sand sinks as one block, and should not deform
+    kinds = {"all", *(() if run.free else ("controlled",)), *(("block",) if block else ())}
+    for name, key, limit, kind, means in CHECKS:
+        value = found.get(key)
+        if value is None or value == []:
+            continue
+        if key == SETTLED:
+            yield Check(name, means, "yes" if value else "no", "should be yes", bool(value))
+        elif key == ENERGY:
+            low, high = RIGID[walls]
+            words = f"limit {plain(low)} to {plain(high)}" if low else f"limit ≤ {plain(high)}"
+            passed = low <= min(value) and max(value) <= high
+            yield Check(name, means, f"{number(value[0], 2)} to {number(value[-1], 2)}", words, passed)
+        elif kind not in kinds:
+            yield Check(name, means, number(value, 2), "no limit here", None)
+        else:
+            limit = LONGEST_FALLING if key == STEP and run.free else limit
+            words = f"limit {'±' if key == DRIFT else '≤ '}{plain(limit)}"
+            yield Check(name, means, number(value, 2), words, bool((abs(value) if key == DRIFT else value) <= limit))

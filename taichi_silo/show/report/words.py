@@ -41,7 +41,7 @@ def plain(value: float | None, digits: int = 4) -> str:
 
 
 def count(value: float | None) -> str:
-    """A whole number."""
+    """A whole number, with a comma before each three digits."""
     return NONE if value is None or not math.isfinite(value) else f"{value:,.0f}"
 
 
@@ -72,7 +72,7 @@ def kPa(stress_Pa: float | None) -> str:
 
 
 def sentence(words: str) -> str:
-    """With a capital letter and a full stop."""
+    """These words as a sentence: with a capital letter and a full stop."""
     words = words.strip()
     return words[:1].upper() + words[1:] + ("" if words.endswith((".", "!", "?")) else ".")
 

@@ -49,13 +49,13 @@ class Measured:
 
     @property
     def place(self) -> str:
-        """Column of what the others are measured against."""
+        """Name of the column that the quantities are measured against: height, displacement or time."""
         names = ("height_m", "displacement_m", "time_s")
         return next(name for name in names if name in self.table)
 
     @property
     def quantities(self) -> list[str]:
-        """Columns that were measured."""
+        """Names of the columns of measured quantities."""
         return [name for name in self.table if name not in (self.place, "state", "wall")]
 
 
@@ -182,7 +182,7 @@ def _word(name: str, cell: str, where: str) -> str:
 
 
 def _ordered(file: Path, kind: str, table: pd.DataFrame) -> Measured:
-    """With rising places; several values at one place count by their mean."""
+    """The measurements sorted by place; several values at one place are replaced by their mean."""
     for name, usual in (("state", ""), ("wall", "both")) if kind == "profile" else ():
         if name not in table:
             table[name] = usual

@@ -22,7 +22,7 @@ PRODUCTS = (  # paper.csv: of version 0.2
 
 @dataclass(frozen=True)
 class Comparison:
-    """Its runs, tables (None if they were not asked for) and files."""
+    """A comparison: its runs, tables (None if they were not asked for) and files."""
 
     runs: list[Result]
     differences: pd.DataFrame
