@@ -1,4 +1,4 @@
-"""Speed against accuracy: what each dial of the method costs, and how wrong it makes the answer.
+"""Speed against accuracy: what each setting of the method costs, and how wrong it makes the answer.
 
 The study itself is `validation.accuracy`.
 """
