@@ -62,6 +62,12 @@ def taichi():
     runtime.init()
 
 
+@pytest.fixture
+def afresh():
+    """Taichi anew before the test: compiled kernels that are kept know fields by their numbers, which start again."""
+    runtime.init()
+
+
 @pytest.fixture(autouse=True, scope="module")
 def loops(request):
     """Sand steps eight points at once, as users' does; tests of single formulas, in tests/unit, step plainly.

@@ -17,15 +17,16 @@ from tests.smallest import SMALLEST
 
 @pytest.fixture(scope="module")
 def quick():
-    """Runs of the smallest silo step with one simulation, put back to its start, which is compiled once; no figures."""
+    """Runs of a scene after the other step with one simulation, put back to its start; no figures."""
     made = []
 
     def simulation(scene):
-        program = ti.lang.impl.get_runtime().prog
-        if not made or made[2] is not program:  # fields die with the Taichi that they are of
+        key = scene.model_dump_json(exclude={"output"})
+        if not made or made[2:] != [key, ti.lang.impl.get_runtime().prog]:  # fields die with the Taichi they are of
+            runtime.init()  # afresh: the compiled kernels that are kept know fields by their numbers
             first = Simulation(scene)
-            made[:] = first, restart.of(first), program
-        found, start, _ = made
+            made[:] = first, restart.of(first), key, ti.lang.impl.get_runtime().prog
+        found, start, *_ = made
         found.scene, found.warnings = scene, []
         restart.restore(found, start)
         return found
@@ -35,7 +36,7 @@ def quick():
         patch.setattr(Machine, "start", lambda self: None)
         patch.setattr(session, "Simulation", simulation)
         patch.setattr(session._Session, "_draw", lambda self: None)
-        yield
+        yield simulation
 
 
 @pytest.fixture(scope="session")

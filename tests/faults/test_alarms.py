@@ -28,7 +28,7 @@ SCENE = Scene(
     method=Method(filling_time_s=0.1, longest_settling_s=0.1), machine=Machine(threads=1),
 )  # fmt: skip
 
-pytestmark = pytest.mark.usefixtures("bare")
+pytestmark = pytest.mark.usefixtures("quick")
 
 
 class Spoiler(Observer):
@@ -130,9 +130,8 @@ def test_a_nan_in_one_point_names_that_point_and_where_it_was_filled_in(tmp_path
 
 
 @pytest.fixture
-def simulation():
-    runtime.init()
-    return Simulation(SCENE)
+def simulation(quick):
+    return quick(SCENE)
 
 
 def guarded(simulation, **changes):
@@ -192,11 +191,11 @@ def test_outflow_that_is_not_quasi_static_though_asked_to_be_raises_an_alarm(tmp
     tried("alarms fired", "inertia")
 
 
-def test_sand_that_moves_otherwise_than_its_outlet_raises_an_alarm(simulation, tried):
+def test_sand_that_moves_otherwise_than_its_outlet_raises_an_alarm(quick, simulation, tried):
     rigid = 0.5 * simulation.mass * SCENE.flow.speed_m_per_s**2
     still = {"stage": "flow", "separated": 0, "kinetic_gain_J_per_m": 0.0}
     assert not guarded(simulation, **still, kinetic_energy_J_per_m=4.9 * rigid)
-    found = guarded(Simulation(SCENE), **still, kinetic_energy_J_per_m=5.1 * rigid)
+    found = guarded(quick(SCENE), **still, kinetic_energy_J_per_m=5.1 * rigid)
     assert found["not quasi-static"].value > found["not quasi-static"].limit and not found["not quasi-static"].stops
     tried("alarms fired", "not quasi-static")
 
@@ -263,18 +262,15 @@ def test_an_alarm_that_comes_again_is_counted_and_said_once():
     assert again.found == alarms.found
 
 
-def test_the_step_adapts_as_the_stress_rises():
+def test_the_step_adapts_as_the_stress_rises(simulation):
     """While the weight grows, sand stiffens a thousandfold; each interval takes the step that its own stress allows."""
-    runtime.init()
-    records = list(Simulation(SCENE).fill())
+    records = list(simulation.fill())
     steps = [r.time_step_s for r in records]
     assert steps[0] > 5.0 * steps[-1] or records[0].stable_step_s > 5.0 * records[-1].stable_step_s
     assert max(r.time_step_s / r.stable_step_s for r in records) < of_records.LONGEST_STEP
 
 
-def test_after_a_sudden_stress_the_next_interval_has_a_smaller_step():
-    runtime.init()
-    simulation = Simulation(SCENE)
+def test_after_a_sudden_stress_the_next_interval_has_a_smaller_step(simulation):
     *_, before = simulation.fill()
     arrays = simulation.particles.arrays()
     simulation.particles.load(arrays | {"stress": 16.0 * arrays["stress"]})

@@ -9,6 +9,7 @@ from taichi_silo.scene.scene import Sand
 from taichi_silo.studies import element_tests
 from taichi_silo.studies.element_tests import COLUMNS, TESTS, ElementScene, curve_of
 
+pytestmark = pytest.mark.usefixtures("afresh")
 CASES = [
     ("oedometer", 0.60, 1e3, 0.04),
     ("triaxial", 0.60, 50e3, 0.2),

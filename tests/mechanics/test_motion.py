@@ -11,6 +11,8 @@ from taichi_silo.mpm.shapes import Linear, UniformGimp
 from taichi_silo.mpm.walls import Coulomb, NoSlip, PlaneWall
 from validation.stability.bodies import block, change, solver
 
+pytestmark = pytest.mark.usefixtures("afresh")
+
 G = 9.81
 BOTH_SHAPES = [Linear(), UniformGimp(0.5)]
 

@@ -12,6 +12,8 @@ from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.walls import Frictionless, NoSlip, PlaneWall
 from taichi_silo.simulation.specimen import Specimen
 
+pytestmark = pytest.mark.usefixtures("afresh")
+
 SAND = GudehusBauer()
 
 

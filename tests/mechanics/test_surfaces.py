@@ -12,6 +12,8 @@ from taichi_silo.mpm.shapes import UniformGimp
 from taichi_silo.mpm.walls import Coulomb, NoSlip, PlaneWall, Surface
 from validation.stability.bodies import block, change, solver
 
+pytestmark = pytest.mark.usefixtures("afresh")
+
 G, DENSITY = 9.81, 1500.0
 
 
