@@ -7,7 +7,6 @@ by bit.
 
 import hashlib
 import json
-import math
 import zipfile
 from importlib.metadata import version
 from pathlib import Path
@@ -53,12 +52,18 @@ def read(file: Path) -> tuple[dict, dict]:
         if not file.is_file():
             raise Damaged("it is no file")
         with zipfile.ZipFile(file) as stored:
-            members = _members(stored, size)
-            header = dict(json.loads(str(_array(stored, members.pop("header")))))
+            members = stored.infolist()
+            if (
+                any(one.compress_type != zipfile.ZIP_STORED for one in members)
+                or sum(m.file_size for m in members) > size
+            ):
+                raise Damaged("it promises more than it holds")
+        with np.load(file, allow_pickle=False) as stored:
+            header = dict(json.loads(str(stored["header"])))
             if header.get("format") != FORMAT:
                 raise BadInput(_of_other_format(file, header))
-            content = str(_array(stored, members.pop("content")))
-            arrays = {name: _array(stored, member) for name, member in members.items()}
+            content = str(stored["content"])
+            arrays = {name: stored[name] for name in stored.files if name not in ("header", "content")}
         if _checksum(content, arrays) != header.get("sha256"):
             raise Damaged("its checksum does not fit")
         return header, _whole(json.loads(content), arrays)
@@ -91,27 +96,6 @@ def need(tree: dict, *paths: str) -> None:
 def _of_other_format(file: Path, header: dict) -> str:
     written = f"format {shown(header['format'])}" if "format" in header else "an earlier version"
     return f"{file} is of {written}; this version of taichi-silo goes on from format {FORMAT}"
-
-
-def _members(stored: zipfile.ZipFile, size: int) -> dict[str, zipfile.ZipInfo]:
-    """The members by name, of which none is packed, and which all together are no longer than the file."""
-    members = stored.infolist()
-    if any(one.compress_type != zipfile.ZIP_STORED for one in members):
-        raise Damaged("it is packed")
-    if sum(one.file_size for one in members) > size:
-        raise Damaged("it promises more than it holds")
-    return {one.filename.removesuffix(".npy"): one for one in members}
-
-
-def _array(stored: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
-    """An array in numpy's own form; no more room is made for it than it has bytes, and no object is unpacked."""
-    form = np.lib.format
-    readers = {(1, 0): form.read_array_header_1_0, (2, 0): form.read_array_header_2_0}
-    with stored.open(member) as stream:
-        shape, by_columns, kind = readers[form.read_magic(stream)](stream)
-        if kind.hasobject or math.prod(shape) * kind.itemsize != member.file_size - stream.tell():
-            raise Damaged("an array is not as long as it says")
-        return np.ndarray(shape, kind, stream.read(), order="F" if by_columns else "C").copy()
 
 
 def _whole(tree: dict, arrays: dict[str, np.ndarray]) -> dict:
