@@ -104,7 +104,7 @@ def _folder(output: Path) -> Finding:
 
 def _cluster() -> Finding:
     there = importlib.util.find_spec("distributed") is not None
-    return Finding("sweeps", True if there else None, "dask is there" if there else "need dask, the extra [cluster]")
+    return Finding("clusters", True if there else None, "dask is there" if there else "need dask, the extra [cluster]")
 
 
 def _small_run() -> Finding:

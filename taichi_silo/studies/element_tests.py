@@ -78,7 +78,9 @@ TESTS = {
 class ElementScene(MethodOptions):
     """One element test."""
 
-    test: Literal[tuple(TESTS)]
+    test: Literal[
+        "oedometer", "triaxial", "triaxial-extension", "plane-strain", "simple-shear", "simple-shear-constant-volume"
+    ]  # fmt: skip
     sand: Sand = Sand()
     pressure_Pa: float = Field(50e3, ge=100.0, le=5e6, description="isotropic at the start")
     strain: float = Field(0.2, gt=0, description="at the end: axial logarithmic, or shear gamma")

@@ -1,4 +1,4 @@
-"""Files that outlive a crash of the program or of the machine: whole or not there, and on the disk."""
+"""Writing files so that a crash of the program or of the machine leaves them whole or not there at all."""
 
 import contextlib
 import os
@@ -9,7 +9,7 @@ from taichi_silo.utils.machine_faults import of_file
 
 
 def sync(file: Path) -> None:
-    """Return when a file, or what a folder lists, is on the disk."""
+    """Wait until a file, or the list of a folder, is on the disk."""
     if os.name == "nt" and file.is_dir():
         return  # Windows keeps its folders by itself
     handle = os.open(file, os.O_RDONLY if os.name != "nt" else os.O_RDWR)
@@ -20,7 +20,7 @@ def sync(file: Path) -> None:
 
 
 def put(temporary: Path, file: Path, previous: Path | None = None) -> None:
-    """Give a finished file its name; what had that name before gets another one, or is gone."""
+    """Rename a finished file to its name; a file of that name is renamed to `previous`, or replaced."""
     sync(temporary)
     if previous is not None and file.exists():
         file.replace(previous)
@@ -30,12 +30,12 @@ def put(temporary: Path, file: Path, previous: Path | None = None) -> None:
 
 @contextlib.contextmanager
 def written(file: Path, previous: Path | None = None) -> Iterator[Path]:
-    """A name to write a file under; it gets its own when that has gone well, and leaves nothing if it has not.
+    """A temporary name to write a file under; it is renamed at the end of the block, or removed after an error.
 
     Parameters
     ----------
-    file : that will be there.
-    previous : the name for what had that name before; it is gone if none is given.
+    file : its name at the end.
+    previous : new name of the file that had it before, which is replaced if none is given.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Files that somebody gives: whatever stands in them, reading ends soon, in little memory, and runs no code."""
+"""Reading files of unknown origin: bounded in time and memory, and no code in them is run."""
 
 import contextlib
 import errno
@@ -31,7 +31,7 @@ QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 
 
 def place(given, name: str = "file") -> Path:
-    """A path that a file system can have, the user's folder in place of ~.
+    """A path as a user typed it, checked to be one that a file system can have; ~ is the user's folder.
 
     Raises
     ------
@@ -51,7 +51,13 @@ def place(given, name: str = "file") -> Path:
 
 
 def content(file, what: str, most: int) -> bytes:
-    """All bytes of a file; `what` says what it should be, such as "a scene".
+    """The bytes of a file.
+
+    Parameters
+    ----------
+    file : its path.
+    what : what it should be, for sentences: "a scene".
+    most : bytes that it may have.
 
     Raises
     ------
@@ -160,12 +166,12 @@ def numbers(values) -> pd.Series:
 
 @contextlib.contextmanager
 def sense(words: str) -> Iterator[None]:
-    """Refuse, in these words, what a value of a wrong kind makes of the code that uses it.
+    """Turn any error that a value of a wrong kind causes in this block into BadInput with this sentence.
 
     Raises
     ------
     BadInput
-        instead of any error that such a value leads to.
+        with that sentence.
 
     """
     try:
@@ -177,5 +183,5 @@ def sense(words: str) -> Iterator[None]:
 
 
 def as_left(folder):
-    """A context that refuses a run whose files hold, under the right names, what no run leaves there (BadInput)."""
+    """Turn any error in this block, which reads the files of a run, into BadInput: they are not what a run leaves."""
     return sense(f"folder is {folder}; it must be that of a run, and its files are not as a run leaves them")

@@ -1,4 +1,4 @@
-"""Numbers, words and arrays in one file that knows whether it is whole.
+"""Numbers, words and arrays in one file with a checksum, so that a damaged one is noticed.
 
 The file is a `.npz` without pickled objects: `header` (JSON: format, version of the program, checksum), `content`
 (JSON: everything that is no array) and the arrays, each under its path through the dictionaries. Floats come back bit
@@ -30,7 +30,7 @@ def write(file: Path, tree: dict) -> None:
     content = json.dumps(_without_arrays(tree, "", arrays), default=_plain)
     header = {"format": FORMAT, "taichi_silo": version("taichi-silo"), "sha256": _checksum(content, arrays)}
     with open(file, "wb") as stream:
-        np.savez(stream, header=json.dumps(header), content=content, **arrays)
+        np.savez(stream, header=json.dumps(header), content=content, **arrays)  # type: ignore[arg-type]
 
 
 def read(file: Path) -> tuple[dict, dict]:
@@ -74,12 +74,12 @@ def read(file: Path) -> tuple[dict, dict]:
 
 
 def understood(folder: Path):
-    """A context that refuses to go on from a checkpoint that is whole but holds what no run keeps (BadInput)."""
+    """Turn any error in this block, which uses a checkpoint, into BadInput: the checkpoint holds what no run keeps."""
     return bounded_reading.sense(f"{folder} cannot be resumed: its checkpoint holds what no run keeps")
 
 
 def need(tree: dict, *paths: str) -> None:
-    """Refuse a tree that has nothing at one of some dotted paths.
+    """Check that a tree has something at each of these dotted paths.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""A program in a process of its own, and its tie to whoever started it.
+"""A program in a process of its own that stops when its parent does.
 
-It is given one line on its input, which then stays open: a program that reads it by `given` is interrupted, as by
-Ctrl-C, when whoever started it stops it or is gone. So it outlives its parent no longer than it needs to put its files
-in order.
+The parent writes one line to its input, which then stays open. The program reads it by `given`, and from then on the
+end of its input interrupts it as Ctrl-C would: when the parent stops it, or is gone. So it has time to put its files in
+order, and no more.
 """
 
 import contextlib
@@ -15,7 +15,7 @@ import threading
 from collections.abc import Iterator
 
 GRACE_S = 20.0  # for a program that is stopped: it ends its interval and leaves its files
-DONE, SAID_NO, STOPPED = 0, 1, 130  # codes with which a program ends by its own will
+DONE, SAID_NO, STOPPED = 0, 1, 130  # exit codes of a program that has not crashed
 
 
 class Child:
@@ -24,7 +24,7 @@ class Child:
     Parameters
     ----------
     program : module and arguments.
-    line : what it is given.
+    line : for its input.
     environment : variables beside those of this process.
 
     """
@@ -42,7 +42,7 @@ class Child:
         self.process, self.input, self.output = process, process.stdin, process.stdout
 
     def lines(self) -> Iterator[str]:
-        """Give it its line, and hear what it says until it ends."""
+        """Write its input line, and return the lines of its output until it ends."""
         with contextlib.suppress(BrokenPipeError, ValueError):  # it ended at once, and says why; or is stopped already
             self.input.write(self.line + "\n")
             self.input.flush()
@@ -52,7 +52,7 @@ class Child:
         self.output.close()
 
     def keep(self, line: str) -> None:
-        """Keep a line, the last of which says why it failed if nothing else does."""
+        """Keep a line of its output; the last one says why it failed if its stderr does not."""
         self.rest.append(line.strip())
 
     def interrupt(self) -> None:
@@ -62,7 +62,7 @@ class Child:
 
     @property
     def crashed(self) -> bool:
-        """Whether it ended, and not by its own will."""
+        """Whether it ended with none of its exit codes."""
         return self.process.returncode not in (DONE, SAID_NO, STOPPED)
 
     @property
@@ -80,7 +80,7 @@ class Child:
 
 
 def given() -> str:
-    """The line that this program was given; from now on the end of its input interrupts it."""
+    """The first line of this program's input; from now on the end of the input interrupts it."""
     line = sys.stdin.readline()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a parent in the background may ignore it
 

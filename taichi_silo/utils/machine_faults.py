@@ -1,4 +1,4 @@
-"""Which errors are the machine's (space, memory, permissions), in words and with what to do about them."""
+"""Errors of the machine (disk, memory, permissions) as sentences, each with a remedy."""
 
 import errno
 import os
@@ -20,14 +20,14 @@ NO_MEMORY = ("memory has run out", "leave it more memory, or give it larger cell
 
 
 def of_file(error: OSError, file: Path) -> OSError:
-    """The same error, of this file."""
+    """The same error, with the name of the file that it is about."""
     if error.errno is None:  # of a library that gives no number
         return OSError(errno.EIO, str(error), str(file))
     return OSError(error.errno, error.strerror or os.strerror(error.errno), str(file))
 
 
 def of_machine(error: BaseException) -> tuple[str, str] | None:
-    """What the machine could not do, and what to do about that; None of errors that it is not to blame for."""
+    """What the machine could not do and the remedy; None for an error that is not the machine's."""
     if isinstance(error, MemoryError) or any(words in str(error).lower() for words in MEMORY_WORDS):
         return NO_MEMORY
     if not isinstance(error, OSError):

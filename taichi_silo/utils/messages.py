@@ -1,4 +1,4 @@
-"""What a user gave, in the words of a sentence: on one line, readable, and short, whatever it is."""
+"""Values and texts of users as parts of a sentence: on one line, printable and short, whatever they are."""
 
 import datetime
 import difflib
@@ -14,13 +14,13 @@ DIGITS = 20  # of a whole number that is shown as it is
 
 
 def shown(value, most: int = VALUE) -> str:
-    """A value as a sentence names it."""
+    """A value as a sentence shows it, at most so many letters long."""
     text = _text(value, DEEP, most)
     return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
 def sentence(text: str, most: int = LONGEST) -> str:
-    """A text on one line, without signs that cannot be printed; what is too long loses its middle."""
+    """A text on one line, without signs that cannot be printed; a long one without its middle."""
     text = str(text)
     if len(text) > 10 * most:
         text = f"{text[: 5 * most]}...{text[-5 * most :]}"
@@ -30,7 +30,7 @@ def sentence(text: str, most: int = LONGEST) -> str:
 
 
 def near(word, known: Iterable[str], cutoff: float = 0.6) -> str | None:
-    """The known word that was perhaps meant."""
+    """The known word that is most like a word; None if none is."""
     if not isinstance(word, str) or len(word) > LONGEST_MATCHED:
         return None
     return next(iter(difflib.get_close_matches(word, list(known), 1, cutoff)), None)

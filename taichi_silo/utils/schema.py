@@ -2,6 +2,7 @@
 
 import types
 import typing
+from collections.abc import Iterator
 
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 from pydantic_core import PydanticCustomError
@@ -113,7 +114,7 @@ def _names(title: str, place: tuple) -> tuple[list[str], type[Options] | None]:
     return names or ["scene"], inside
 
 
-def _tables(kind: type):
+def _tables(kind: type[Options]) -> Iterator[type[Options]]:
     for one in kind.__subclasses__():
         yield one
         yield from _tables(one)

@@ -1,6 +1,6 @@
-"""Ctrl-C and the signal to end take effect where clock, points and files agree: between two intervals of a run.
+"""Ctrl-C and SIGTERM stop a run between two intervals, where clock, points and files agree.
 
-Before a run has anything to lose, and while its figures are drawn, they take effect at once.
+Before the first interval, and while figures are drawn, they take effect at once.
 """
 
 import contextlib
@@ -12,25 +12,33 @@ from taichi_silo.errors import Stopped
 
 
 class Stops:
-    """What was asked for, and where it takes effect."""
+    """Signals that have come, and whether they take effect at once.
+
+    Attributes
+    ----------
+    asked : numbers of the signals that have come.
+    heeded : how many of them have stopped something.
+    sentence : what to say when a signal takes effect at once; None while signals wait.
+
+    """
 
     def __init__(self):
         self.asked, self.heeded, self.sentence = [], 0, None
 
     def hear(self, number: int, frame=None) -> None:
-        """A signal has come."""
+        """Note a signal; the handler of SIGINT and SIGTERM."""
         self.asked.append(number)
         if self.sentence is not None:
             self._stop(self.sentence)
 
     def check(self, sentence: Callable[[], str]) -> None:
-        """Raise `Stopped` with a sentence if the run was asked to stop since it was last heeded."""
+        """Raise `Stopped` with a sentence if a signal has come that has stopped nothing yet."""
         if len(self.asked) > self.heeded:
             self._stop(sentence())
 
     @contextlib.contextmanager
     def at_once(self, sentence: str) -> Iterator[None]:
-        """Within, stop without waiting for anything, also for what was asked before and not heeded yet."""
+        """Within this block a signal raises `Stopped` at once, also one that has come before and waits."""
         self.check(lambda: sentence)
         self.sentence = sentence
         try:
@@ -45,7 +53,7 @@ class Stops:
 
 @contextlib.contextmanager
 def heard() -> Iterator[Stops]:
-    """Within, the two only ask. In a thread other than the main one, which hears no signals, nothing asks."""
+    """Within this block SIGINT and SIGTERM are noted; in a thread other than the main one none can be."""
     stops = Stops()
     if threading.current_thread() is not threading.main_thread():
         yield stops

@@ -1,4 +1,4 @@
-"""Points with named arrays in a VTU file: binary, each array one zlib block, in place in one piece or not at all."""
+"""VTU files (VTK's unstructured grids) of points with named arrays, each array one zlib block in base64."""
 
 import base64
 import sys
@@ -35,8 +35,12 @@ def write(file: Path, places: np.ndarray, arrays: dict[str, np.ndarray]) -> None
     """
     count = len(places)
     index = np.arange(count, dtype=np.int32)
-    cells = {"connectivity": index, "offsets": index + 1, "types": np.full(count, VERTEX, np.uint8)}
-    blocks = {"PointData": arrays, "Points": {"Points": places}, "Cells": cells}
+    cells: dict[str, np.ndarray] = {
+        "connectivity": index,
+        "offsets": index + 1,
+        "types": np.full(count, VERTEX, np.uint8),
+    }
+    blocks: dict[str, dict[str, np.ndarray]] = {"PointData": arrays, "Points": {"Points": places}, "Cells": cells}
     body = "".join(
         f"<{block}>{''.join(_array(name, values) for name, values in found.items())}</{block}>\n"
         for block, found in blocks.items()
@@ -78,13 +82,15 @@ def read(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     piece = ElementTree.parse(file).getroot().find("UnstructuredGrid/Piece")
     if piece is None:
         raise ValueError(f"{file} holds no piece of an unstructured grid")
-    count = int(piece.get("NumberOfPoints"))
-    places, arrays = ({found.get("Name"): _values(found, count) for found in piece.find(block)} for block in BLOCKS)
+    count = int(piece.attrib["NumberOfPoints"])
+    places, arrays = (
+        {one.attrib["Name"]: _values(one, count) for one in piece.iterfind(f"{block}/*")} for block in BLOCKS
+    )
     return places["Points"], arrays
 
 
 def _values(element, points: int) -> np.ndarray:
-    """Of a DataArray of so many points; what is packed in it is unpacked no further than that."""
+    """Values of a DataArray of so many points; what is packed in it is unpacked no further than that."""
     kind, components = np.dtype(element.get("type").lower()), int(element.get("NumberOfComponents", 1))
     room = points * components * kind.itemsize
     if not 0 <= points <= MOST_POINTS or not 1 <= components <= MOST_COMPONENTS:

@@ -41,9 +41,10 @@ def main() -> None:
         print("stopped", file=sys.stderr)
         sys.exit(STOPPED)
     except Exception as error:
-        if of_machine(error) is None:
+        fault = of_machine(error)
+        if fault is None:
             raise
-        print("{}; {}".format(*of_machine(error)), file=sys.stderr)
+        print("; ".join(fault), file=sys.stderr)
         sys.exit(SAID_NO)
 
 

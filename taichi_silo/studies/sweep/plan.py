@@ -34,7 +34,7 @@ from taichi_silo.utils import bounded_reading
 from taichi_silo.utils.messages import shown
 from taichi_silo.utils.schema import Options
 
-KINDS = {"local": Local, "slurm": Slurm, "scheduler": Scheduler}
+KINDS: dict[str, type[Options]] = {"local": Local, "slurm": Slurm, "scheduler": Scheduler}
 WORDS = {"low", "high", "choices"}  # of a quantity's range, by which its table is told from one of the scene
 
 
@@ -215,7 +215,7 @@ def from_command_line(file: Path | None, files: list[Path], texts: list[str], fl
 
 def _settings(tables: dict, before: str = "") -> dict:
     """Values by dotted paths, of which parts may be tables; the name of a sand stands for all of it."""
-    found = {}
+    found: dict[str, Any] = {}
     for name, inner in tables.items():
         path = SAND if before + name == "sand.name" else before + name
         deeper = isinstance(inner, dict) and not known(path) and not WORDS & set(inner)

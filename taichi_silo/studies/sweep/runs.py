@@ -129,7 +129,8 @@ def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
         if a processor cannot be used, or the memory does not suffice.
 
     """
-    paces, found = {}, {}
+    paces: dict[tuple, list[float]] = {}  # seconds of a point and step
+    found = {}
     for run in runs.values():
         cost = run.summary.get("cost", {}) if run.finished else {}
         if cost.get("steps"):
