@@ -50,10 +50,10 @@ def serve(app: typer.Typer, name: str, arguments: Sequence[str] | None = None) -
     for one in app.registered_commands:
         one.callback = _stopping(one.callback)
     try:
-        code = app(words, standalone_mode=False, prog_name=name) or 0
+        code = app(words, standalone_mode=False, prog_name=name)  # what the command returns, or typer's own code
         if code == STOPPED:  # typer's own answer to Ctrl-C
             raise KeyboardInterrupt
-        sys.exit(code)
+        sys.exit(code if isinstance(code, int) else 0)
     except typer.BadParameter as error:
         _stop(_bad_flag(error, words), BAD_INPUT)
     except typer.BadParameter.__base__ as error:  # an unknown flag, a flag without its value

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from taichi_silo.cli import app, catalogue
+from taichi_silo.cli import app, catalogue, command_line
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
 
@@ -147,3 +147,10 @@ def test_the_doctor_ends_with_1_where_nothing_can_be_written(tmp_path):
     (tmp_path / "file").touch()
     done = program("doctor", "--quiet", "--output", tmp_path / "file" / "outputs")
     assert (done.returncode, done.stdout) == (1, "")
+
+
+def test_a_command_that_returns_a_folder_ends_well(monkeypatch):
+    monkeypatch.setattr("sys.argv", ["command"])
+    with pytest.raises(SystemExit) as end:
+        command_line.command(lambda: Path("outputs") / "run")
+    assert end.value.code == 0
