@@ -25,6 +25,7 @@ import taichi as ti
 
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import g2p, runtime
+from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
@@ -73,7 +74,7 @@ def step_at(number, steps, dt, g0, g1, v0, v1, filling_drag):
 class Fields:
     """The store of an executor that works on the fields of particles and grid themselves."""
 
-    def __init__(self, particles: Particles, grid: Grid, shape, atomic: bool):
+    def __init__(self, particles: Particles, grid: Grid, shape: Shape, atomic: bool):
         self.particles, self.grid, self.shape, self.atomic = particles, grid, shape, atomic
         self.read, self.write = particles.read, particles.write
 
@@ -245,7 +246,7 @@ class PhaseLoop:
 class Threads:
     """Plain loops on the threads of a processor, each with its own points, rows and copy of the sums."""
 
-    def __init__(self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape):
+    def __init__(self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape):
         threads = runtime.threads()
         if grid.copies != threads:
             raise ValueError(f"grid has {grid.copies} copies of its sums; {threads} threads need as many")
@@ -282,7 +283,7 @@ class Tasks:
 
     threads = 1
 
-    def __init__(self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape):
+    def __init__(self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape):
         self.phases, self.grid, self.particles = tuple(phase[:3] for phase in phases), grid, particles
         self.store = Fields(particles, grid, shape, atomic=True)
 

@@ -9,8 +9,10 @@ A filtered stress is pulled back to what the law admits.
 
 import taichi as ti
 
+from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Phase
-from taichi_silo.mpm.grid import MARGIN
+from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 
 FLAT = 1e-6  # spread of points in a cell, over the cell squared, below which they show no slope
@@ -28,7 +30,7 @@ class CellFilter:
 
     ACTIVE = True
 
-    def __init__(self, particles, grid, law):
+    def __init__(self, particles: Particles, grid: Grid, law: Law):
         self.particles, self.grid, self.law = particles, grid, law
         self.sums = ti.Vector.field(self.WIDTH, real, shape=grid.copies * grid.nodes)
         self.result = ti.Vector.field(self.WIDTH, real, shape=grid.nodes)

@@ -10,6 +10,8 @@ The contract, a frozen dataclass:
 
 from dataclasses import dataclass
 
+import numpy as np
+
 
 @dataclass(frozen=True)
 class PlaneStrain:
@@ -17,7 +19,7 @@ class PlaneStrain:
 
     HOOP = False
 
-    def depth(self, x):
+    def depth(self, x: np.ndarray) -> np.ndarray:
         """1 m."""
         return 0.0 * x + 1.0
 
@@ -33,7 +35,7 @@ class Axisymmetric:
 
     HOOP = True
 
-    def depth(self, x):
+    def depth(self, x: np.ndarray) -> np.ndarray:
         """Radius [m]."""
         return x
 

@@ -6,6 +6,7 @@ import numpy as np
 import taichi as ti
 
 from taichi_silo.errors import RunFailed
+from taichi_silo.mpm.contracts import Kernel
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 
@@ -50,7 +51,7 @@ class NeighbourRows:
 
     """
 
-    def __init__(self, kernel, radius: float, particles: Particles, spacing_m: float):
+    def __init__(self, kernel: Kernel, radius: float, particles: Particles, spacing_m: float):
         self.kernel, self.radius, self.particles = kernel, radius, particles
         self.builds, self.revision = 0, -1
         self.origin: dict[str, np.ndarray] = {}

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import taichi as ti
 
+from taichi_silo.mpm.contracts import Law, Shape, Transfer
 from taichi_silo.mpm.runtime import real, real_place
 
 
@@ -48,7 +49,7 @@ class Particles:
 
     @classmethod
     def lattice(
-        cls, law, width_m: float, height_m: float, spacing_m: float, *, origin_m: Sequence[float] = (0.0, 0.0),
+        cls, law: Law, width_m: float, height_m: float, spacing_m: float, *, origin_m: Sequence[float] = (0.0, 0.0),
         turned_deg: float = 0.0, void_ratio: float = 0.0, extra: tuple[str, ...] = (),
     ) -> "Particles":  # fmt: skip
         """A rectangle of points at rest under the law's rest stress, row after row from below.
@@ -84,7 +85,7 @@ class Particles:
         return particles
 
     @staticmethod
-    def extras(law, shape, transfer) -> tuple[str, ...]:
+    def extras(law: Law, shape: Shape, transfer: Transfer) -> tuple[str, ...]:
         """Names of the fields that a law, a shape and a transfer ask for."""
         wanted = (law.REMEMBERS, "intergranular"), (shape.DOMAIN, "domain"), (transfer.GRADIENT != "none", "affine")
         return tuple(name for asked, name in wanted if asked)

@@ -4,6 +4,9 @@ from types import SimpleNamespace
 
 import taichi as ti
 
+from taichi_silo.mpm.contracts import Law
+from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.tensors import trace
 
@@ -12,7 +15,7 @@ from taichi_silo.mpm.tensors import trace
 class PointSums:
     """One pass over the points."""
 
-    def __init__(self, particles, grid, law, shared: bool):
+    def __init__(self, particles: Particles, grid: Grid, law: Law, shared: bool):
         self.particles, self.grid, self.law, self.shared = particles, grid, law, shared
         self.found = ti.field(real, shape=10)
 

@@ -1,12 +1,14 @@
 """The explicit step, in the order of the paper's section 3."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from types import SimpleNamespace
+from typing import Any
 
 import taichi as ti
 
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.contracts import Filter, Law, Shape, Transfer, Wall
 from taichi_silo.mpm.executors import NODES, POINTS, ROWS, SCATTER, Phase, Tasks, Threads
 from taichi_silo.mpm.filters import Unfiltered
 from taichi_silo.mpm.g2p import affine_of, at_point, deform, gradient_of, move, respond
@@ -14,7 +16,7 @@ from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.grid_update import integrate_node, second_velocity_of_node
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.mpm.nonlocal_average import Local
+from taichi_silo.mpm.nonlocal_average import Local, NonLocal
 from taichi_silo.mpm.p2g import scatter, second_scatter
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.point_sums import PointSums
@@ -23,7 +25,7 @@ from taichi_silo.mpm.simd.executor import Simd, hindrance
 from taichi_silo.mpm.tensors import norm
 from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.mpm.wall_impulses import Impulses
-from taichi_silo.mpm.walls.surfaces import NoSurfaces, Surfaces
+from taichi_silo.mpm.walls.surfaces import NoSurfaces, Surface, Surfaces
 
 STRESS_UPDATES = ("last", "first", "modified")
 
@@ -66,21 +68,24 @@ class Solver:
     """
 
     def __init__(
-        self, particles: Particles, grid: Grid, shape, law, walls=(), control: NoiseControl | None = None,
-        down: Sequence[float] = (0.0, -1.0), averaging=None, surroundings: Surroundings | None = None,
-        shared: bool | None = None, transfer=None, stress_update: str = "last", filtering=None,
-        simd: bool | None = None, surfaces=(),
+        self, particles: Particles, grid: Grid, shape: Shape, law: Law, walls: Iterable[Wall] = (),
+        control: NoiseControl | None = None, down: Sequence[float] = (0.0, -1.0), averaging: NonLocal | None = None,
+        surroundings: Surroundings | None = None, shared: bool | None = None, transfer: Transfer | None = None,
+        stress_update: str = "last", filtering: Filter | None = None, simd: bool | None = None,
+        surfaces: Sequence[Surface] = (),
     ):  # fmt: skip
         self.particles, self.grid, self.shape, self.law = particles, grid, shape, law
         self.walls, self.control = tuple(walls), control or NoiseControl()
-        self.averaging, self.surroundings = averaging or Local(), surroundings or Surroundings()
+        self.surroundings = surroundings or Surroundings()
+        # what a kernel asks for only where it is ACTIVE
+        self.averaging: Any = averaging or Local()
+        self.filter: Any = filtering(particles, grid, law) if filtering else Unfiltered()
+        self.surfaces: Any = NoSurfaces()
         self.transfer = transfer or Flip()
         self.second_walls = () if self.transfer.SECOND_TRANSFER else self.walls
-        self.filter = filtering(particles, grid, law) if filtering else Unfiltered()
         self.down = float(down[0]), float(down[1])
         self.stress_update = stress_update
         self.stable_fraction = shape.stable_fraction
-        self.surfaces = NoSurfaces()
         if surfaces:
             density = float(particles.mass[0] / particles.volume[0])
             self.surfaces = Surfaces(surfaces, grid, density, len(self.walls), self.surroundings.geometry.depth)
@@ -90,7 +95,7 @@ class Solver:
         self.simd_refused = ""
         self.executor = self._executor(tuple(self.phases()), atomic, simd)
 
-    def _executor(self, phases: tuple[Phase, ...], atomic: bool, simd: bool | None):
+    def _executor(self, phases: tuple[Phase, ...], atomic: bool, simd: bool | None) -> Simd | Tasks | Threads:
         """What runs the phases, as the arguments ask, or the fastest that can be trusted."""
         obstacle = "its sums are atomic" if atomic else hindrance(self)
         if simd and obstacle:

@@ -44,7 +44,7 @@ class Intergranular:
 
     REMEMBERS = True
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name, value, least in (("R", self.radius, 0.0), ("beta_r", self.beta_r, 0.0), ("chi", self.chi, 0.0)):
             if not value > least:
                 raise ValueError(f"{name} of the intergranular strain is {value}; it must be above {least:g}")

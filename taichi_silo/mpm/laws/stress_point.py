@@ -3,6 +3,7 @@
 import numpy as np
 import taichi as ti
 
+from taichi_silo.mpm.contracts import Law, Numbers
 from taichi_silo.mpm.laws.integrate import update
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.tensors import norm
@@ -82,13 +83,13 @@ class StressPoint:
 
     """
 
-    def __init__(self, law, stress, void_ratio: float, h=(0.0, 0.0, 0.0, 0.0)):
+    def __init__(self, law: Law, stress: Numbers, void_ratio: float, h: Numbers = (0.0, 0.0, 0.0, 0.0)):
         self.law = law
         self.stress = np.array(stress, dtype=float)
         self.h = np.array(h, dtype=float)
         self.void_ratio = float(void_ratio)
 
-    def trial(self, strain, spin: float = 0.0, count: int = 1) -> np.ndarray:
+    def trial(self, strain: Numbers, spin: float = 0.0, count: int = 1) -> np.ndarray:
         """Stresses (4) [Pa], h (4) and void ratio after `count` equal strain increments; the point stays as it is.
 
         Parameters
@@ -103,13 +104,13 @@ class StressPoint:
             _follow(self.law, vec4(*self.stress), vec4(*self.h), self.void_ratio, given, float(spin), count)
         )
 
-    def step(self, strain, spin: float = 0.0, count: int = 1) -> None:
+    def step(self, strain: Numbers, spin: float = 0.0, count: int = 1) -> None:
         """Apply `count` strain increments (xx, yy, zz, xy) and rotations [rad]."""
         result = self.trial(strain, spin, count)
         self.stress, self.h, self.void_ratio = result[:4], result[4:8], float(result[8])
 
     def step_mixed(
-        self, strain, spin: float, free: int, target: float, tied: int | None = None, count: int = 1
+        self, strain: Numbers, spin: float, free: int, target: float, tied: int | None = None, count: int = 1
     ) -> np.ndarray:
         """Apply `count` increments in each of which one strain follows from a stress.
 
@@ -149,7 +150,7 @@ def _stiffness(law: ti.template(), s0: real, s1: real, s2: real, s3: real, e: re
     return law.stiffness((s0, s1, s2, s3), e)
 
 
-def wave_speed(law, stress, void_ratio: float) -> float:
+def wave_speed(law: Law, stress: Numbers, void_ratio: float) -> float:
     """Upper bound of the speed of a plane wave [m/s] at a stress (xx, yy, zz, xy) [Pa]."""
     stiffness = _stiffness(law, *map(float, stress), float(void_ratio))
     return float(np.sqrt(stiffness * (1.0 + void_ratio) / law.grain_density))

@@ -8,11 +8,12 @@ axes add up.
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 PLACES = (np.arange(20001) + 0.5) / 20001  # of a point in its cell
 
 
-def fraction(weights, slopes) -> float:
+def fraction(weights: ArrayLike, slopes: ArrayLike) -> float:
     """2 / sqrt(2 max sum_k S_k'^2 / S_k), from weights and derivatives of shape (nodes, places)."""
     weights, slopes = np.asarray(weights), np.asarray(slopes)
     total = np.where(weights > 0.0, slopes**2 / np.maximum(weights, 1e-300), 0.0).sum(axis=0)

@@ -19,7 +19,7 @@ class UniformGimp:
 
     PATCHES, NODES, DOMAIN = 1, 3, False
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not 0.0 < self.half_size <= 0.5:
             raise ValueError(f"half size of a domain is {self.half_size} cells; it must be above 0 and at most 0.5")
 

@@ -4,11 +4,15 @@ The points are cut into strips, each with sums of its own, whose number does not
 order of every sum, and with it every bit of the result, is the same for one thread and for two.
 """
 
+from typing import Any
+
 import numpy as np
 import taichi as ti
 
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.executors import Phase, PhaseLoop
+from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
@@ -20,7 +24,7 @@ SORTED_FOR = 0.25  # of a cell: as far as points may move before they are sorted
 NOTHING = 1e-200  # of a point's mass and volume: what fills up the last group
 
 
-def hindrance(solver) -> str:
+def hindrance(solver: Any) -> str:
     """Why the steps of a solver cannot run on the vector unit; empty if they can."""
     if not runtime.is_cpu():
         return "it runs on a GPU"
@@ -41,7 +45,9 @@ def hindrance(solver) -> str:
 class Simd:
     """Runs phases over groups of eight points (`executors` says what an executor is, `store.Layout` its arrays)."""
 
-    def __init__(self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape, surroundings):
+    def __init__(
+        self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings
+    ):
         self.particles, self.grid, self.shape = particles, grid, shape
         self.threads = runtime.threads()
         self.loop = PhaseLoop(phases, grid, self.threads)
@@ -98,7 +104,7 @@ class Simd:
         """Take the state over from the fields."""
         self._load(self.points)
 
-    def _sort(self, count: int, dt: float, schedule) -> None:
+    def _sort(self, count: int, dt: float, schedule: tuple[float, ...]) -> None:
         """Put the points in the order of their cells, unless they hardly moved since that was done."""
         revision, moved = self.sorted
         moved += 2.0 * count * dt * max(map(abs, schedule[2:4])) / self.grid.cell_size

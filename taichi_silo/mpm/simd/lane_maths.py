@@ -10,6 +10,7 @@ of the library's. There a base counts as at most 32768, and one below 1e-18 as 0
 
 import functools
 import math
+from collections.abc import Callable
 
 import numpy as np
 import taichi as ti
@@ -23,11 +24,14 @@ SQUARINGS = 4  # of exp(-x / 16)
 LARGEST_DECAY = 8.0  # exp(-x) is taken at most there
 
 
+Series = tuple[tuple[float, ...], float]  # coefficients, middle
+
+
 @functools.cache
-def series(function, low: float, high: float, degree: int) -> tuple[tuple[float, ...], float]:
+def series(function: Callable[[np.ndarray], np.ndarray], lowest: float, highest: float, degree: int) -> Series:
     """Coefficients of a polynomial in (x - middle), and the middle: Chebyshev interpolation in long double."""
     kind = np.longdouble
-    low, high = kind(low), kind(high)
+    low, high = kind(lowest), kind(highest)
     angles = (np.arange(4 * degree).astype(kind) + kind(0.5)) * (kind(4) * np.arctan(kind(1))) / kind(4 * degree)
     nodes = np.cos(angles)
     values = function(0.5 * (low + high) + 0.5 * (high - low) * nodes)
@@ -46,13 +50,13 @@ def series(function, low: float, high: float, degree: int) -> tuple[tuple[float,
 
 
 @functools.cache
-def power_series(exponent: float) -> tuple[tuple[float, ...], float]:
+def power_series(exponent: float) -> Series:
     """Of x**exponent around 1."""
     return series(lambda x: np.power(x, np.longdouble(exponent)), 1.0 / UPPER, UPPER, 13)
 
 
 @functools.cache
-def decay_series() -> tuple[tuple[float, ...], float]:
+def decay_series() -> Series:
     """Of exp(-x) between 0 and 1/2."""
     return series(lambda x: np.exp(-x), 0.0, 0.5, 11)
 

@@ -5,8 +5,12 @@ vectors of eight that stay vectors of the processor, and points in the order of 
 of points with the same nodes stay in registers.
 """
 
+from typing import Any
+
 import taichi as ti
 
+from taichi_silo.mpm.contracts import Shape
+from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.p2g import point_contributions
 from taichi_silo.mpm.particles import Particles
@@ -45,7 +49,7 @@ class Layout:
     the first and last row of nodes that a strip touched.
     """
 
-    def __init__(self, particles: Particles, grid: Grid, shape, surroundings, strips: int):
+    def __init__(self, particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings, strips: int):
         self.particles, self.grid, self.shape, self.surroundings = particles, grid, shape, surroundings
         self.strips = strips
         self.groups = (particles.count + LANES - 1) // LANES
@@ -60,7 +64,7 @@ class Layout:
 class Groups:
     """The store of the vector unit, over arrays that were handed to a kernel (see `executors` for the members)."""
 
-    def __init__(self, layout: Layout, points, sums, nodal):
+    def __init__(self, layout: Layout, points: Any, sums: Any, nodal: Any):
         self.layout, self.points, self.sums, self.nodal = layout, points, sums, nodal
         self.particles, self.grid, self.shape = layout.particles, layout.grid, layout.shape
         self.surroundings, self.strips = layout.surroundings, layout.strips

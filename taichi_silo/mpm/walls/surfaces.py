@@ -11,12 +11,13 @@ k = STIFFNESS rho h / dt^2 follows from the step, so that it limits it no furthe
 thousandths of a cell. Balance is exact: what nodes get is what is booked. The grid must stand still.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import taichi as ti
 
-from taichi_silo.mpm.grid import MARGIN
+from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.walls.contact import Coulomb, NoSlip
 
@@ -42,11 +43,11 @@ class Surface:
     corners: tuple[tuple[float, float], ...]
     contact: Coulomb | NoSlip
 
-    def stations(self, cell_size: float):
+    def stations(self, cell_size: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Places (n, 2), unit normals out of the sand (n, 2), and lengths (n,) of its stations."""
         places, normals, lengths = [], [], []
-        for start, end in zip(self.corners[:-1], self.corners[1:], strict=True):
-            start, end = np.array(start), np.array(end)
+        corners = np.array(self.corners)
+        for start, end in zip(corners[:-1], corners[1:], strict=True):
             length = float(np.hypot(*(end - start)))
             count = max(1, round(PER_CELL * length / cell_size))
             along = (end - start) / length
@@ -64,7 +65,7 @@ class NoSurfaces:
     def clear(self) -> None:
         """Nothing to let go."""
 
-    def take_over(self, other) -> None:
+    def take_over(self, other: object) -> None:
         """Nothing to take over."""
 
 
@@ -87,7 +88,10 @@ class Surfaces:
 
     ACTIVE = True
 
-    def __init__(self, surfaces, grid, density: float, first_wall: int, depth):
+    def __init__(
+        self, surfaces: Sequence[Surface], grid: Grid, density: float, first_wall: int,
+        depth: Callable[[np.ndarray], np.ndarray],
+    ):  # fmt: skip
         h = grid.cell_size
         self.grid, self.density, self.first_wall = grid, density, first_wall
         places, normals, areas, friction, owner = [], [], [], [], []
@@ -96,8 +100,8 @@ class Surfaces:
             places.append(x)
             normals.append(n)
             areas.append(s)
-            mu = -1.0 if isinstance(surface.contact, NoSlip) else surface.contact.coefficient
-            friction.append(np.full(len(x), mu))
+            contact = surface.contact
+            friction.append(np.full(len(x), -1.0 if isinstance(contact, NoSlip) else contact.coefficient))
             owner.append(np.full(len(x), first_wall + number))
         place, normal, area = np.concatenate(places), np.concatenate(normals), np.concatenate(areas)
         row = np.floor(place[:, 1] / h + 1e-9).astype(int) + MARGIN
@@ -106,14 +110,14 @@ class Surfaces:
         inside = (row[order] >= 0) & (row[order] < grid.rows) & (depth(place[order, 0]) > ON_AXIS * h)
         order = order[inside]
         place, normal, area, row = place[order], normal[order], area[order], row[order]
-        friction, owner = np.concatenate(friction)[order], np.concatenate(owner)[order]
+        mu, owners = np.concatenate(friction)[order], np.concatenate(owner)[order]
         away = depth(place[:, 0])
         self.count = len(place)
-        self.places, self.normals, self.areas, self.owners = place, normal, area * away, owner
+        self.places, self.normals, self.areas, self.owners = place, normal, area * away, owners
         self.fixed = ti.field(real, shape=(self.count, 5))
-        self.fixed.from_numpy(np.column_stack([normal, area * away, friction, 1.0 / np.maximum(away, 1e-12)]))
+        self.fixed.from_numpy(np.column_stack([normal, area * away, mu, 1.0 / np.maximum(away, 1e-12)]))
         self.wall = ti.field(ti.i32, shape=self.count)
-        self.wall.from_numpy(owner.astype(np.int32))
+        self.wall.from_numpy(owners.astype(np.int32))
         patch, weight = self._weights(place / h)
         self.patches, self.station_weights = patch, weight
         self.patch = ti.field(ti.i32, shape=self.count)
@@ -134,7 +138,7 @@ class Surfaces:
         self.begin = ti.field(ti.i32, shape=grid.nodes + 1)
         self.begin.from_numpy(np.searchsorted(nodes.ravel()[sort], np.arange(grid.nodes + 1)).astype(np.int32))
 
-    def _weights(self, place: np.ndarray):
+    def _weights(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """First node (n,) and S (n, 9) of the quadratic spline at places in cells (n, 2)."""
         first = np.floor(place - 0.5).astype(int)
         along = []

@@ -1,0 +1,81 @@
+"""What the parts of the method offer to ordinary Python; what kernels call is in the packages' docstrings.
+
+`laws`, `shapes`, `walls`, `velocity_transfer`, `filters` and `nonlocal_average` say the whole contract of each part.
+"""
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+
+
+class Shape(Protocol):
+    """A shape function (see `shapes`)."""
+
+    @property
+    def half_size(self) -> float:
+        """Half the edge of a point's first domain [cells]."""
+
+    @property
+    def stable_fraction(self) -> float:
+        """Largest stable time step over h / c."""
+
+    @property
+    def PATCHES(self) -> int:
+        """Rectangles of nodes that a point touches."""
+
+    @property
+    def NODES(self) -> int:
+        """Nodes along the edge of a rectangle."""
+
+    @property
+    def DOMAIN(self) -> bool:
+        """Whether points carry a domain."""
+
+
+class Law(Protocol):
+    """A constitutive law (see `laws`)."""
+
+    @property
+    def grain_density(self) -> float:
+        """[kg/m3]."""
+
+    @property
+    def rest_stress(self) -> float:
+        """Isotropic pressure of unloaded material [Pa]."""
+
+    @property
+    def REMEMBERS(self) -> bool:
+        """Whether points carry intergranular strain."""
+
+
+class Transfer(Protocol):
+    """How a point gets its velocity from the grid (see `velocity_transfer`)."""
+
+    @property
+    def GRADIENT(self) -> str:
+        """Which velocity gradient points carry: "none", "affine" or "strain"."""
+
+    @property
+    def SECOND_TRANSFER(self) -> bool:
+        """Whether velocities go to the nodes and back once more."""
+
+
+class Wall(Protocol):
+    """A wall that holds nodes (see `walls`)."""
+
+    @property
+    def name(self) -> str:
+        """As it is called in results."""
+
+
+class Kernel(Protocol):
+    """A weight of neighbours (see `nonlocal_average`)."""
+
+    @property
+    def length_m(self) -> float:
+        """Characteristic length l_c [m]."""
+
+
+Filter = Callable[[Any, Any, Any], Any]  # class of a stress filter, made from particles, grid and law
+Numbers = np.ndarray | tuple[float, ...] | list[float]
