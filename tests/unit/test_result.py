@@ -1,5 +1,7 @@
 """The Python interface: a scene is run, and what it left comes back as frames and arrays."""
 
+import shutil
+
 import numpy as np
 import pytest
 
@@ -28,6 +30,14 @@ def test_tables_come_back_as_frames(result):
     assert result.summary["finished"] and result.finished
 
 
+def test_after_filling_is_the_mean_over_the_last_period_of_the_column_at_rest(result):
+    rows = result.forces[result.forces.stage == "filling"].tail(result.scene.output.records_per_period)
+    summary, last = result.summary, result.residual
+    for name, key in (("P", "bottom_N_per_m"), ("T", "shear_N_per_m"), ("N", "normal_N_per_m")):
+        assert result.filled[name] == summary["filling"][key] == pytest.approx(rows[name].mean(), rel=1e-12)
+        assert last[name] == summary["residual"][key]
+
+
 def test_states_come_back_as_arrays(result):
     filled, last = result.state("filled"), result.state(-1)
     assert filled["position"].shape == (len(filled["mass"]), 2)
@@ -54,6 +64,18 @@ def test_a_notebook_shows_the_film(result):
 def test_it_stands_for_its_path(result):
     assert (result / "forces.csv").is_file()
     assert ts.Result(result).folder == result.folder
+
+
+def test_what_is_damaged_is_refused_or_told_and_what_is_not_there_yet_is_empty(result, tmp_path):
+    copy = tmp_path / "copy"
+    copy.mkdir()
+    shutil.copy(result / "run.toml", copy)
+    assert ts.Result(copy).forces.empty and ts.Result(copy).walls.empty and ts.Result(copy).filled is None
+    (copy / "forces.csv").write_text("time_s,stage\n0.1,filling\n")
+    with pytest.raises(ts.BadInput, match="forces.csv has no column displacement_m"):
+        _ = ts.Result(copy).forces
+    tolerant = ts.Result(copy, tolerant=True)
+    assert tolerant.forces.empty and tolerant.trouble == ("forces.csv is damaged and was left out.",)
 
 
 def test_a_folder_without_a_run_is_refused(tmp_path, result):
