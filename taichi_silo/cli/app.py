@@ -35,7 +35,7 @@ def make() -> typer.Typer:
 
 
 def main() -> None:
-    """Run it."""
+    """Run the program."""
     serve(make(), "taichi-silo")
 
 

@@ -15,13 +15,13 @@ PACKAGE = Path(__file__).parents[1]
 
 
 def folder() -> Path:
-    """Where the scripts are."""
+    """The folder of the scripts."""
     inside = PACKAGE / "scenarios"
     return inside if inside.is_dir() else PACKAGE.parent / "scenarios"
 
 
 def scenarios() -> dict[str, str]:
-    """Their names, and what each does in a sentence."""
+    """Names of all scenarios, and what each shows in a sentence."""
     names = sorted(file.stem for file in folder().glob("*.py"))
     return {name: " ".join(about(name).split("\n\n")[0].split()) for name in names}
 

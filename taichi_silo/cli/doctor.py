@@ -1,4 +1,4 @@
-"""What runs need, looked at one by one."""
+"""Checks of what runs need: Taichi, the vector unit, a film encoder, a folder, and a small run."""
 
 import importlib.metadata
 import importlib.util
@@ -28,12 +28,12 @@ BALANCE = 1e-9  # of the weight, which the self-test must not miss
 
 
 class Finding(NamedTuple):
-    """One of them.
+    """The result of one check.
 
     Attributes
     ----------
-    what : is looked at.
-    good : True; None if it is missing but no run needs it; False if runs need it.
+    what : what was checked.
+    good : True if it works, None if it is missing but optional, False if runs cannot do without it.
     words : what was found.
 
     """
@@ -44,7 +44,7 @@ class Finding(NamedTuple):
 
 
 def examine(output: Path) -> Iterator[Finding]:
-    """Look at everything; starts Taichi."""
+    """Run all checks, one after the other; starts Taichi."""
     versions = {name: importlib.metadata.version(name) for name in ("taichi-silo", "taichi", "numpy")}
     named = ", ".join(f"{name} {number}" for name, number in versions.items())
     yield Finding("versions", True, f"{named}, Python {platform.python_version()}, {platform.system()}")

@@ -70,7 +70,7 @@ def read_silo(file: Path, unit: str | None = None) -> Silo:
 
 
 def _corners(entity: Any, make_path: Callable[[Any], Any], scale: float) -> np.ndarray:
-    """Of a closed line, as far as they are not too many; none of one that is not closed, or has no places."""
+    """Corners (n, 2) of a closed line [m], at most one more than allowed; none if it is not closed or damaged."""
     try:
         path = make_path(entity)
         if not path.is_closed or not np.isfinite([tuple(place) for place in path.control_vertices()]).all():
@@ -82,6 +82,6 @@ def _corners(entity: Any, make_path: Callable[[Any], Any], scale: float) -> np.n
 
 
 def _without_repeats(corners: np.ndarray) -> np.ndarray:
-    """Corners, each but once in a row, the last not again the first."""
+    """Corners without those that repeat the one before; the last does not repeat the first."""
     apart = np.abs(corners - np.roll(corners, 1, axis=0)).max(axis=1) > polygons.SAME
     return corners[apart]

@@ -37,7 +37,7 @@ class Fidelity(Options):
 
 @cache
 def fidelities(file: Path = FILE) -> dict[str, Fidelity]:
-    """All of a file, by name."""
+    """The named settings of a file."""
     tables = tomllib.loads(file.read_text(encoding="utf-8"))
     return {name: Fidelity.model_validate(table) for name, table in tables.items()}
 
@@ -52,7 +52,7 @@ def like(cell_size_m: float, speed_m_per_s: float) -> tuple[str, Fidelity] | Non
 
 
 def fidelity(name: str) -> Fidelity:
-    """The one of that name.
+    """The named setting of that name.
 
     Raises
     ------

@@ -42,7 +42,7 @@ class Insert(Options):
 
     @classmethod
     def polygon(cls, corners_m: Iterable[Sequence[float]], friction_angle_deg: float | None = None) -> "Insert":
-        """Of any shape: corners (x, y) [m], in any sense."""
+        """An insert of any shape from its corners (x, y) [m], in any sense."""
         corners = tuple((float(x), float(y)) for x, y in corners_m)
         return cls(kind="polygon", corners_m=corners, friction_angle_deg=friction_angle_deg)
 
@@ -52,24 +52,24 @@ class Insert(Options):
 
     @property
     def rise_m(self) -> float:
-        """Height of the body."""
+        """Height of the body [m]."""
         if self.kind == "polygon":
             return float(np.ptp(self._corners[:, 1]))
         return self.breadth_m if self.kind == "cylinder" or self.height_m is None else self.height_m
 
     @property
     def breadth_m(self) -> float:
-        """Width of the body."""
+        """Width of the body [m]."""
         return self.width_m or float(np.ptp(self._corners[:, 0]))
 
     def centre_m(self, silo_width_m: float) -> float:
-        """Where its middle stands."""
+        """X of its middle [m], from the left wall."""
         if self.kind == "polygon":
             return float(0.5 * (self._corners[:, 0].min() + self._corners[:, 0].max()))
         return 0.5 * silo_width_m if self.position_m is None else self.position_m
 
     def outline(self, silo_width_m: float, corners: int = 48) -> np.ndarray:
-        """Corners (n, 2), anticlockwise [m]."""
+        """Corners (n, 2) of its section, anticlockwise [m]; a cylinder is a polygon of that many corners."""
         if self.kind == "polygon":
             return polygons.polygon(self.corners_m or (), "insert")
         x, low = self.centre_m(silo_width_m), self.bottom_m or 0.0
@@ -81,13 +81,13 @@ class Insert(Options):
         return np.array([x, low + radius]) + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
 
     def area_m2(self) -> float:
-        """Of its section."""
+        """Area of its section [m2]."""
         if self.kind == "cylinder":
             return 0.25 * math.pi * self.breadth_m**2
         return polygons.area(self.outline(0.0))
 
     def contains(self, x: ArrayLike, y: ArrayLike, silo_width_m: float) -> np.ndarray:
-        """Whether places (arrays) lie inside."""
+        """Whether points x, y (arrays) [m] lie inside it."""
         if self.kind == "cylinder":
             right, up = np.asarray(x) - self.centre_m(silo_width_m), np.asarray(y) - (self.bottom_m or 0.0)
             radius = 0.5 * self.breadth_m
@@ -95,5 +95,5 @@ class Insert(Options):
         return polygons.inside(x, y, self.outline(silo_width_m))
 
     def words(self) -> str:
-        """For titles."""
+        """Its kind and width, as titles of figures name it."""
         return f"{'insert' if self.kind == 'polygon' else self.kind} of {1e3 * self.breadth_m:g} mm"

@@ -50,11 +50,11 @@ class MethodOptions(Options):
         return self
 
     def transfer_of_points(self) -> Any:
-        """Of `taichi_silo.mpm.velocity_transfer`."""
+        """The transfer that is meant, an object of `taichi_silo.mpm.velocity_transfer`."""
         return Blend(self.pic_share) if self.transfer == "blend" else TRANSFERS[self.transfer]()
 
     def solver_options(self) -> dict[str, Any]:
-        """What the solver is told."""
+        """Keywords for `taichi_silo.mpm.solver.Solver`."""
         return {
             "transfer": self.transfer_of_points(),
             "stress_update": self.stress_update,
@@ -62,7 +62,7 @@ class MethodOptions(Options):
         }
 
     def time_step(self, found: Any, safety: float) -> float:
-        """The step [s] that a survey of the points allows, or the one that was given."""
+        """Time step [s]: as given, or what the points' stiffness and speed allow, times `safety` if no cfl is given."""
         if self.time_step_s is not None:
             return self.time_step_s
         return safety * found.stable_step if self.cfl is None else self.cfl * found.transit

@@ -34,12 +34,12 @@ def polygon(corners: Corners, name: str) -> np.ndarray:
 
 
 def inside(x: ArrayLike, y: ArrayLike, corners: np.ndarray) -> np.ndarray:
-    """Whether places (arrays) lie inside of a polygon."""
+    """Whether points x, y (arrays) [m] lie inside a polygon."""
     return shapely.contains_xy(shapely.Polygon(corners), np.asarray(x, float), np.asarray(y, float))
 
 
 def area(corners: np.ndarray) -> float:
-    """Of a polygon [m2]."""
+    """Area of a polygon [m2]."""
     return float(shapely.Polygon(corners).area)
 
 
@@ -75,14 +75,14 @@ def sides(corners: Corners) -> tuple[np.ndarray, np.ndarray]:
 
 
 def foot(chain: np.ndarray, wall_m: float) -> float:
-    """Height from which on a side stands on a vertical line; that of its end if its last part does not."""
+    """Height [m] above which a side follows the vertical line x = `wall_m`; its top if it never does."""
     if abs(chain[-1, 0] - wall_m) < SAME and abs(chain[-2, 0] - wall_m) < SAME:
         return float(chain[-2, 1])
     return float(chain[-1, 1])
 
 
 def place(chain: np.ndarray, y: ArrayLike) -> np.ndarray:
-    """X of a side at heights (array): above its ends that of the end."""
+    """X of a side at heights y (array) [m]; above and below its ends that of the end."""
     y = np.asarray(y, float)
     nudge = np.arange(len(chain)) * 1e-12  # a level part is passed at once
     return np.interp(y, chain[:, 1] + nudge, chain[:, 0])

@@ -54,7 +54,7 @@ class Entry:
 
     @classmethod
     def of(cls, place: Place) -> "Entry":
-        """Of the field of a value."""
+        """The entry of one place of the scene."""
         field = place.field
         rules = [(SIGNS[key], getattr(rule, key)) for key in SIGNS for rule in field.metadata if hasattr(rule, key)]
         return cls(
@@ -105,7 +105,7 @@ def template() -> str:
 
 
 def markdown() -> str:
-    """The same as tables of a page."""
+    """Every value of a scene file, table after table, in Markdown."""
     lines = []
     for table, found in _by_table().items():
         lines += ["", f"## `{_header(table)}`", "", tables_of()[table], ""]

@@ -129,7 +129,7 @@ class Averaging(Options):
     )
 
     def length_m(self, sand: Sand) -> float:
-        """l_c: as given, or three mean grain diameters."""
+        """Characteristic length l_c [m]: as given, or three mean grain diameters."""
         return 3.0 * sand.d50_m if self.characteristic_length_m is None else self.characteristic_length_m
 
     def check(self, sand: Sand, spacing_m: float, points: int, width_m: float) -> None:
@@ -146,7 +146,7 @@ class Averaging(Options):
             )
 
     def kernel(self, sand: Sand, spacing_m: float) -> tuple[Weight | None, str]:
-        """Weight of the average, None where it would change nothing, and a sentence about it."""
+        """Weight function of the non-local average, None where it would change nothing, and the reason in a sentence."""
         length = self.length_m(sand)
         if length == 0.0:
             return None, "The law is local: the characteristic length is 0."
@@ -165,7 +165,7 @@ class Averaging(Options):
 
 
 class Method(MethodOptions):
-    """How it is computed."""
+    """Method of computation, and how the fill comes to rest."""
 
     noise_control: Literal["column", "none"] = Field(
         "column", description="drag against swings of the column, without force in steady flow; none: the paper's"
@@ -195,7 +195,7 @@ class Output(Options):
 
 
 class Machine(Options):
-    """Where it is computed."""
+    """Processor, threads and precision that a run uses."""
 
     arch: Literal["cpu", "cuda"] = Field("cpu", description="processor, or graphics card of Nvidia")
     threads: int = Field(
@@ -304,7 +304,7 @@ class Scene(Options):
 
     @property
     def spacing_m(self) -> float:
-        """Of the points."""
+        """Distance between neighbouring points at the start [m]."""
         return self.grid.cell_size_m / math.isqrt(self.grid.points_per_cell)
 
     @property
@@ -318,17 +318,17 @@ class Scene(Options):
 
     @property
     def snapshots(self) -> int:
-        """How many are written evenly over the flow: as given, or as many as the points leave room for."""
+        """Number of snapshots over the flow: as given, or as many as the number of points leaves room for."""
         if self.output.snapshots is not None:
             return self.output.snapshots
         return max(FEWEST_SNAPSHOTS, min(SNAPSHOTS, MOST_STATES // self.points))
 
     @property
     def density_kg_per_m3(self) -> float:
-        """Bulk density of the fill."""
+        """Bulk density of the fill: grain density / (1 + void ratio) [kg/m3]."""
         return self.sand.grain_density_kg_per_m3 / (1.0 + self.sand.void_ratio)
 
     @property
     def weight_N_per_m(self) -> float:
-        """Weight of the fill."""
+        """Weight of the fill per metre run, or per metre of a round silo's wall [N/m]."""
         return self.density_kg_per_m3 * self.method.gravity_m_per_s2 * self.silo.area_m2

@@ -77,7 +77,7 @@ class Silo(Options):
 
     @classmethod
     def polygon(cls, outline_m: Iterable[Sequence[float]], **more: Any) -> "Silo":
-        """Of any shape: corners (x, y) [m] of the space for sand, and what else a silo has (outlet, inserts, ...)."""
+        """A silo of any shape: corners (x, y) [m] of the space for sand, and other values (outlet, ...)."""
         return cls(outline_m=tuple((float(x), float(y)) for x, y in outline_m), **more)
 
     @model_validator(mode="after")
@@ -190,13 +190,13 @@ class Silo(Options):
 
     @property
     def _body(self) -> shapely.Polygon:
-        """Inside of the silo as a polygon."""
+        """Space inside the silo."""
         left, right = self.sides
         return shapely.Polygon(np.concatenate([right, left[::-1]]))
 
     @property
     def outlet_m(self) -> tuple[float, float]:
-        """Left and right edge of the opening of the floor."""
+        """X of the left and right edge of the opening in the floor [m]."""
         first, last = self.floor_m
         if self.outlet is None:
             return first, last
@@ -222,12 +222,12 @@ class Silo(Options):
         return 0.5 * (self.width_m - self.hopper.outlet_width_m) / tangent
 
     def between(self, y: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """X of the left and of the right wall at heights (array)."""
+        """X of the left and of the right wall [m] at heights y (array) [m]."""
         left, right = self.sides
         return polygons.place(left, y), polygons.place(right, y)
 
     def holds(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Whether places (arrays) hold sand when the silo is full."""
+        """Whether points x, y (arrays) [m] lie in the fill."""
         left, right = self.between(y)
         inside = (x > left) & (x < right) & (y > 0.0) & (y < self.height_m)
         for insert in self.inserts:
@@ -235,7 +235,7 @@ class Silo(Options):
         return inside
 
     def lattice(self, spacing_m: float) -> tuple[np.ndarray, ...]:
-        """x, y and area of the points that fill it, row after row from the floor.
+        """x, y [m] and area [m2] of the points that fill it, row after row from the floor.
 
         Rows fit between the walls: in a hopper points stand a little closer or farther apart than elsewhere.
         """
@@ -258,17 +258,17 @@ class Silo(Options):
         return x[held], y[held], area[held]
 
     def points(self, spacing_m: float) -> int:
-        """How many those are."""
+        """Number of points of `lattice`."""
         return _count(self, spacing_m)
 
     @property
     def box_m2(self) -> float:
-        """Width times height, or of a round silo what `area_m2` is of a cylinder."""
+        """Area of a box of its width and height [m2], counted as `area_m2` counts."""
         return self.width_m * self.height_m * (0.5 if self.section == "round" else 1.0)
 
     @property
     def area_m2(self) -> float:
-        """Of the section of the fill; of a round silo twice its content per radian over the radius."""
+        """Area of the section of the fill [m2]; of a round silo twice its volume per radian over its radius."""
         if self.section == "round":
             return _round_area(self)
         below = shapely.box(0.0, 0.0, self.width_m, self.height_m)
@@ -285,7 +285,7 @@ class Silo(Options):
         return found
 
     def words(self) -> str:
-        """What is special about it, for titles; empty for a silo whose whole floor sinks."""
+        """Section, outlet, hopper and inserts, as titles of figures name them; empty for a plane silo without these."""
         found = []
         if self.section == "round":
             found.append("round silo")

@@ -1,10 +1,11 @@
-"""A typed group of parameters, and what is said when one is wrong."""
+"""Typed groups of options, and one sentence for what is wrong with the values given for them."""
 
 import types
 import typing
 from collections.abc import Iterator
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from taichi_silo.utils.messages import near, sentence, shown
@@ -26,23 +27,25 @@ class Options(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _no_truth(cls, given, info):
+    def _no_truth(cls, given: Any, info: ValidationInfo) -> Any:
         if _holds_truth(given) and not _takes_truth(cls.model_fields[info.field_name].annotation):
             raise PydanticCustomError("truth", "Input should be a number or a word, not true or false")
         return given
 
 
-def _holds_truth(given, deep: int = 2) -> bool:
+def _holds_truth(given: Any, deep: int = 2) -> bool:
+    """Whether a value is true or false, or a list, or list of lists, that holds such."""
     if deep and isinstance(given, list | tuple):
         return any(_holds_truth(one, deep - 1) for one in given)
     return isinstance(given, bool)
 
 
-def _takes_truth(annotation) -> bool:
-    return annotation in (bool, typing.Any) or any(map(_takes_truth, typing.get_args(annotation)))
+def _takes_truth(annotation: Any) -> bool:
+    """Whether a field may be true or false."""
+    return annotation in (bool, Any) or any(map(_takes_truth, typing.get_args(annotation)))
 
 
-def table_in(annotation) -> type[Options] | None:
+def table_in(annotation: Any) -> type[Options] | None:
     """The table that a field holds, alone, or in a tuple, or beside None; None if it holds values."""
     if isinstance(annotation, type) and issubclass(annotation, Options):
         return annotation
@@ -53,53 +56,43 @@ def table_in(annotation) -> type[Options] | None:
 
 def one_sentence(error: ValidationError) -> str:
     """The first thing that is wrong, with the name, the value and what would be right."""
-    return sentence(_of_first(error))
-
-
-def _of_first(error: ValidationError) -> str:
     errors = error.errors(include_url=False)
     first = errors[0]
-    if first["type"] == "value_error":
-        return first["msg"].removeprefix("Value error, ")
-    names, table = _names(error.title, first["loc"])
+    kind, context = first["type"], first.get("ctx", {})
+    if kind == "value_error":
+        return sentence(first["msg"].removeprefix("Value error, "))
+    names, options = _names(error.title, first["loc"])
     path = ".".join(names)
-    if first["type"] == "extra_forbidden":
-        return f"{path} is not a parameter of a scene{_hint(names, table)}"
-    if first["type"] == "missing":
-        return f"{path} is missing; it must be given"
-    if first["type"] in ("too_long", "too_short"):
-        return f"{path} has {_count(first)} entries; it must have {_right_count(first['ctx'])}"
-    of_value = [e for e in errors if e["loc"][: len(names)] == first["loc"][: len(names)]]
-    rule = _range(first, names, table) or " or ".join(dict.fromkeys(map(_rule, of_value)))
-    return f"{_short(names)} is {shown(first['input'])}; it must {rule}"
+    if kind == "extra_forbidden":
+        return sentence(f"{path} is not a parameter of a scene{_hint(names, options)}")
+    if kind == "missing":
+        return sentence(f"{path} is missing; it must be given")
+    if kind in ("too_long", "too_short"):
+        limit = f"at most {context['max_length']}" if kind == "too_long" else f"at least {context['min_length']}"
+        return sentence(f"{path} has {context.get('actual_length') or 'too many'} entries; it must have {limit}")
+    of_value = [_rule(one) for one in errors if one["loc"][: len(names)] == first["loc"][: len(names)]]
+    rule = _range(context, names, options) or " or ".join(dict.fromkeys(of_value))
+    return sentence(f"{_short(names)} is {shown(first['input'])}; it must {rule}")
 
 
-def _range(error, names: list[str], table: type[Options] | None) -> str:
+def _range(context: dict[str, Any], names: list[str], options: type[Options] | None) -> str:
     """The whole range of a number that is beyond one of its ends; empty if something else is wrong."""
-    ends = {key: limit for key, limit in error.get("ctx", {}).items() if key in LIMITS}
-    field = table.model_fields.get(names[-1]) if ends and table is not None else None
+    ends = {key: limit for key, limit in context.items() if key in LIMITS}
+    field = options.model_fields.get(names[-1]) if ends and options is not None else None
     for rule in field.metadata if field is not None else ():
         ends |= {key: getattr(rule, key) for key in LIMITS if hasattr(rule, key)}
     words = " and ".join(f"{word} {ends[key]:g}" for key, word in LIMITS.items() if key in ends)
     return f"be {words}" if words else ""
 
 
-def _count(error) -> str:
-    """How many entries there are, as far as they were counted."""
-    found = error["ctx"].get("actual_length")
-    return str(found) if found is not None else "too many"
+def _names(title: str, place: tuple[int | str, ...]) -> tuple[list[str], type[Options] | None]:
+    """Names and numbers on the way to a value, without the types that pydantic tried there, and the type of its table.
 
-
-def _right_count(limits: dict) -> str:
-    if "max_length" in limits:
-        return f"at most {limits['max_length']}"
-    return f"at least {limits['min_length']}"
-
-
-def _names(title: str, place: tuple) -> tuple[list[str], type[Options] | None]:
-    """Names and numbers on the way to a place of a table, without the types that were tried there, and its table."""
-    table = next((one for one in _tables(Options) if one.__name__ == title), None)
-    names, inside = [], table
+    `title` is the name of the outermost type.
+    """
+    table = next((one for one in _all_options(Options) if one.__name__ == title), None)
+    names: list[str] = []
+    inside = table
     for number, part in enumerate(place):
         fields = inside.model_fields if inside is not None else None
         if isinstance(part, int):
@@ -114,14 +107,14 @@ def _names(title: str, place: tuple) -> tuple[list[str], type[Options] | None]:
     return names or ["scene"], inside
 
 
-def _tables(kind: type[Options]) -> Iterator[type[Options]]:
+def _all_options(kind: type[Options]) -> Iterator[type[Options]]:
     for one in kind.__subclasses__():
         yield one
-        yield from _tables(one)
+        yield from _all_options(one)
 
 
-def _hint(names: list[str], table: type[Options] | None) -> str:
-    known = list(table.model_fields) if table is not None else []
+def _hint(names: list[str], options: type[Options] | None) -> str:
+    known = list(options.model_fields) if options is not None else []
     meant = near(names[-1], known, 0.4)
     before = "".join(f"{name}." for name in names[:-1])
     if meant:
@@ -130,14 +123,14 @@ def _hint(names: list[str], table: type[Options] | None) -> str:
 
 
 def _short(names: list[str]) -> str:
-    """A parameter as a sentence calls it: the kind of something is that thing."""
+    """The name of a value in a sentence: its last part, in lists its path; walls.kind is called walls."""
     if any(name.isdigit() for name in names):
         return ".".join(names)
     return names[-2] if names[-1] == "kind" and len(names) > 1 else names[-1]
 
 
-def _rule(error) -> str:
-    """What must be."""
+def _rule(error: Any) -> str:
+    """What a value must be, from pydantic's message."""
     if error["type"] in RULES:
         return RULES[error["type"]]
     message = " ".join(error["msg"].split()).split(", unable")[0].removeprefix("Input should ")
