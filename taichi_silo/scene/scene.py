@@ -146,7 +146,7 @@ class Averaging(Options):
             )
 
     def kernel(self, sand: Sand, spacing_m: float) -> tuple[Weight | None, str]:
-        """Weight function of the non-local average, None where it would change nothing, and the reason in a sentence."""
+        """Weight function of the non-local average, None where it would change nothing, and why in a sentence."""
         length = self.length_m(sand)
         if length == 0.0:
             return None, "The law is local: the characteristic length is 0."

@@ -1,12 +1,12 @@
 """The user's choices of method: flags, files, warnings, mass scaling, and the sand that leaves."""
 
-import subprocess
-import sys
-from pathlib import Path
+import inspect
 
 import numpy as np
 import pytest
 
+from taichi_silo.cli import catalogue
+from taichi_silo.cli.flags import with_method_flags
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.runs.observers.guard import Guard
@@ -17,23 +17,16 @@ from taichi_silo.simulation.discharge import Ledger
 from taichi_silo.simulation.simulation import Simulation
 from validation.stability.bodies import block
 
-ROOT = Path(__file__).parents[2]
 COARSE = {"silo": Silo(width_m=0.1, height_m=0.2), "grid": Mesh(cell_size_m=0.02), "machine": Machine(threads=1)}
 
 
-def scenario(name, *flags):
-    command = [sys.executable, str(ROOT / "scenarios" / name), *flags]
-    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=300)
-
-
 @pytest.mark.parametrize(
-    "name", ["mass_flow.py", "four_cases.py", "noise_control.py", "element_test.py", "paper_element_tests.py",
-             "plane_strain_compression.py"],
+    "name", ["mass_flow", "four_cases", "noise_control", "element_test", "paper_element_tests",
+             "plane_strain_compression"],
 )  # fmt: skip
-def test_every_scenario_offers_every_variant(name):
-    words = scenario(name, "--help").stdout
-    for flag in ("--shape", "--transfer", "--stress-update", "--filter", "--time-step", "--cfl", "--mass-scaling"):
-        assert flag in words
+def test_every_scenario_has_flags_for_the_method(name):
+    found = set(inspect.signature(with_method_flags(catalogue.load(name))).parameters)
+    assert {"shape", "transfer", "stress_update", "filter", "time_step", "cfl", "mass_scaling"} <= found
 
 
 @pytest.mark.parametrize(
@@ -50,20 +43,19 @@ def test_every_scenario_offers_every_variant(name):
         (("--filter", "median"), "stress_filter is median"),
     ],
 )
-def test_impossible_choices_are_refused_in_one_sentence(flags, sentence, tmp_path):
-    done = scenario("mass_flow.py", *flags, "--output", str(tmp_path / "run"))
-    assert done.returncode == 2
-    assert sentence in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1
+def test_impossible_choices_are_refused_in_one_sentence(flags, sentence, said, tmp_path):
+    code, _, err = said("run", "mass_flow", *flags, "--output", tmp_path / "run")
+    assert code == 2 and err.count("\n") == 1
+    assert sentence in err
     assert not (tmp_path / "run").exists()
 
 
-def test_a_variant_goes_through_the_whole_of_an_element_test(tmp_path):
-    done = scenario(
-        "element_test.py", "triaxial", "--through", "mpm", "--shape", "cpdi", "--transfer", "apic", "--filter",
-        "null-space", "--strain", "0.02", "--output", str(tmp_path / "run"),
+def test_a_choice_goes_through_the_whole_of_an_element_test(said, tmp_path):
+    code, _, err = said(
+        "run", "element_test", "triaxial", "--through", "mpm", "--shape", "cpdi", "--transfer", "apic", "--filter",
+        "null-space", "--strain", "0.02", "--output", tmp_path / "run",
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert code == 0, err
     words = (tmp_path / "run" / "run.toml").read_text()
     for line in ('shape = "cpdi"', 'transfer = "apic"', 'stress_filter = "null-space"'):
         assert line in words
