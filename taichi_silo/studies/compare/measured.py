@@ -156,8 +156,8 @@ def right_columns() -> str:
     """Which columns are right, in words."""
     forces = [name for name, (_, units) in CURVES.items() if units is FORCE]
     return (
-        f"displacement_m, displacement_mm or time_s with {', '.join(forces)} (all in _N_per_m or _kN_per_m) or "
-        "wall_friction_angle_deg; or height_m with normal_stress_kPa or shear_stress_kPa"
+        f"displacement_m or _mm, or time_s, with {', '.join(forces)} (in _N_per_m or _kN_per_m) or "
+        "wall_friction_angle_deg; or height_m with normal_ or shear_stress_kPa"
     )
 
 
