@@ -20,6 +20,7 @@ from taichi_silo.utils.messages import sentence as in_one_line
 from taichi_silo.utils.schema import one_sentence
 
 BAD_INPUT, FAILED, STOPPED = 2, 1, 130
+USAGE_ERROR: Any = typer.BadParameter.__base__  # typer gives it no name of its own
 
 
 def command(function: Callable, arguments: Sequence[str] | None = None, name: str | None = None) -> NoReturn:
@@ -48,7 +49,7 @@ def serve(app: typer.Typer, name: str, arguments: Sequence[str] | None = None) -
     """Run an app of a name; it ends the process with the exit code, after one sentence if something is wrong."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     for one in app.registered_commands:
-        one.callback = _stopping(one.callback)
+        one.callback = one.callback and _stopping(one.callback)
     try:
         code = app(words, standalone_mode=False, prog_name=name)  # what the command returns, or typer's own code
         if code == STOPPED:  # typer's own answer to Ctrl-C
@@ -56,10 +57,8 @@ def serve(app: typer.Typer, name: str, arguments: Sequence[str] | None = None) -
         sys.exit(code if isinstance(code, int) else 0)
     except typer.BadParameter as error:
         _stop(_bad_flag(error, words), BAD_INPUT)
-    except typer.BadParameter.__base__ as error:  # an unknown flag, a flag without its value
+    except USAGE_ERROR as error:  # an unknown flag, a flag without its value
         _stop(error.format_message().rstrip("."), BAD_INPUT)
-    except typer.Abort:
-        _stop("stopped; everything up to then is kept", STOPPED)
     except ValidationError as error:
         _stop(one_sentence(error), BAD_INPUT)
     except BadInput as error:
@@ -68,16 +67,18 @@ def serve(app: typer.Typer, name: str, arguments: Sequence[str] | None = None) -
         _stop(str(error), FAILED)
     except RunFailed as error:
         _stop(f"the run went wrong {error}; everything up to then is kept", FAILED)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, typer.Abort):
         _stop("stopped; everything up to then is kept", STOPPED)
     except Exception as error:
-        if of_machine(error) is None:
+        fault = of_machine(error)
+        if fault is None:
             raise
-        _stop("{}; {}, and give the command again".format(*of_machine(error)), FAILED)
+        what, remedy = fault
+        _stop(f"{what}; {remedy}, and give the command again", FAILED)
 
 
 def _stopping(function: Callable) -> Callable:
-    """The function; if it was stopped, it says so before typer makes nameless what has stopped it."""
+    """The function; its stop by a signal ends the process here, before typer turns it into a plain interrupt."""
 
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:

@@ -26,7 +26,6 @@ NAMES = {  # of flags that are not called as the last part of their path
 }  # fmt: skip
 OF_FIDELITY = ("grid.cell_size_m", "grid.points_per_cell", "flow.speed_m_per_s")  # what a named fidelity may set
 TIME_STEP, AUTO = "method.time_step_s", "auto"
-NONE: Mapping[str, str] = {}
 DEFAULT = Scene()
 METHOD = tuple(f"method.{name}" for name in MethodOptions.model_fields)
 
@@ -72,11 +71,11 @@ def option(path: str, note: str = "") -> Any:
     return Annotated[kind_of(path), typer.Option(help=" ".join(filter(None, about)) + note)]
 
 
-def parameters(scene: Scene, paths: Iterable[str], notes: Mapping[str, str] = NONE) -> list[inspect.Parameter]:
+def parameters(scene: Scene, paths: Iterable[str], notes: Mapping[str, str] | None = None) -> list[inspect.Parameter]:
     """Parameters of a command that are flags of values of the scene; notes end the help of some."""
     return [
         inspect.Parameter(name_of(path), inspect.Parameter.KEYWORD_ONLY, default=default_of(scene, path),
-                          annotation=option(path, notes.get(path, "")))
+                          annotation=option(path, (notes or {}).get(path, "")))
         for path in paths
     ]  # fmt: skip
 
