@@ -1,4 +1,4 @@
-"""Sweeps: what a file says, what is refused, what is drawn, and what is asked of a cluster."""
+"""Sweeps: what a file or flags say, what is refused, which runs are kept, the table, the figure, and the cluster."""
 
 import json
 import sys
@@ -12,28 +12,39 @@ import pytest
 from taichi_silo import Scene
 from taichi_silo.cli.commands.sweep import sweep as command
 from taichi_silo.errors import BadInput
-from taichi_silo.runs.run_folder import write_parameters
+from taichi_silo.runs.result import Result
+from taichi_silo.runs.run_folder import writable, write_parameters
 from taichi_silo.scene.dotted_paths import changed, default, known, value, whole
 from taichi_silo.show.figures import plot_response
+from taichi_silo.show.figures.batch import COLORS, batch_figure
 from taichi_silo.show.figures.response import label, response_figure
 from taichi_silo.studies.sweep.clusters import Local, Scheduler, Slurm
 from taichi_silo.studies.sweep.hypercube import Choices, LatinHypercube, Span
 from taichi_silo.studies.sweep.plan import from_command_line, from_flags, from_tables, read
-from taichi_silo.studies.sweep.runs import LOCK, Run
+from taichi_silo.studies.sweep.runs import LOCK, Run, simulate
 from taichi_silo.studies.sweep.study import TABLE, Study
 from taichi_silo.studies.sweep.table import PRESSURE, Response, found, row
+from taichi_silo.studies.sweep.table import leave as leave_table
+from taichi_silo.studies.sweep.variations import bases, differences, product, variation
+from taichi_silo.studies.sweep.variations import scenes as combined
 from taichi_silo.utils.console import Console
 from taichi_silo.utils.file_lock import alone
+from taichi_silo.utils.process_pool import ProcessPool
 
 NOTHING = {"fidelity": None, "film": None, "jobs": None, "scheduler": None, "slurm": False}
+LATIN = "[latin_hypercube]\nruns = 2\nbetween.flow."
 
 
-def sweep(text: str, beside: Path = Path()):
-    return from_tables(tomllib.loads(text), beside)
+def scenes(text: str) -> dict[str, Scene]:
+    return from_tables(tomllib.loads(text), Path()).scenes()
 
 
-def scenes(text: str, beside: Path = Path()) -> dict[str, Scene]:
-    return sweep(text, beside).scenes()
+def made(*texts: str, files: tuple = ()) -> dict[str, Scene]:
+    return combined(bases(list(files)), product([variation(text) for text in texts]))
+
+
+def line(files=(), file=None, vary=(), **flags):
+    return from_command_line(file, list(files), list(vary), NOTHING | flags)
 
 
 # --- paths through tables and lists that a scene may lack -------------------------------------------------------------
@@ -62,7 +73,7 @@ def test_a_path_is_known_by_what_it_leads_to():
     assert whole("filling.layers") and whole("grid.points_per_cell") and not whole("sand.beta")
 
 
-# --- the file ---------------------------------------------------------------------------------------------------------
+# --- scenes and their names -------------------------------------------------------------------------------------------
 
 
 def test_a_grid_is_every_combination_of_an_inline_scene():
@@ -102,18 +113,53 @@ def test_a_scene_and_a_sand_are_found_beside_the_sweeps_file(tmp_path):
     ]  # fmt: skip
 
 
-def test_flags_stand_for_a_file():
-    plan = from_command_line(
-        None, [], ["filling.kind=rain,layers"], NOTHING | {"fidelity": "draft", "film": True, "jobs": 1}
+def test_names_are_unique_where_paths_end_alike_and_where_files_are_called_alike(tmp_path):
+    assert len(made("sand.n=0.4,0.5", "sand.alpha=0.2,0.3", "sand.beta=1,1.5", "method.cfl=0.2,0.4")) == 16
+    for place in ("a", "b"):
+        (tmp_path / place).mkdir()
+        (tmp_path / place / "dense.toml").write_text("[sand]\nvoid_ratio = 0.6\n")
+    found = made("filling.kind=rain", files=(tmp_path / "a" / "dense.toml", tmp_path / "b" / "dense.toml"))
+    assert list(found) == ["dense_filling-rain", "dense-2_filling-rain"]
+
+
+def test_a_file_takes_defaults_for_what_it_leaves_out_and_a_run_has_the_name_of_its_folder(tmp_path):
+    (tmp_path / "wide").mkdir()
+    (tmp_path / "wide" / "run.toml").write_text("[silo]\nwidth_m = 0.3\n[machine]\nthreads = 4096\n")
+    found = made(files=(tmp_path / "wide" / "run.toml",))
+    assert found == {"wide": changed(Scene(machine={"threads": 1}), {"silo.width_m": 0.3})}
+
+
+def test_a_sand_by_name_brings_its_constants_and_default_is_what_is_not_given():
+    found = made("sand=karlsruhe,hostun", "sand.void_ratio=0.7")
+    assert [scene.sand.granular_hardness_Pa for scene in found.values()] == [190e6, 1000e6]
+    assert {scene.sand.void_ratio for scene in found.values()} == {0.7}
+    found = made("walls.kind=smooth", "walls.friction_angle_deg=19,15")
+    assert [scene.walls.friction_angle_deg for scene in found.values()] == [19.0, 15.0]
+
+
+def test_the_friction_angle_of_smooth_walls_is_left_out_where_walls_are_very_rough():
+    found = made("walls.kind=smooth,very-rough", "walls.friction_angle_deg=19")
+    assert [scene.walls.friction_angle_deg for scene in found.values()] == [19.0, None]
+
+
+def test_columns_are_what_was_asked_for_and_what_differs(tmp_path):
+    (tmp_path / "loose.toml").write_text(
+        "[sand]\nvoid_ratio = 0.9\n[walls]\nkind = 'smooth'\nfriction_angle_deg = 12.3\n"
     )
+    (tmp_path / "dense.toml").write_text("")
+    found = made("method.cfl=0.2", files=(tmp_path / "loose.toml", tmp_path / "dense.toml"))
+    # dense sand is between very rough walls here, of which no half is computed
+    columns = {"method.cfl", "sand.void_ratio", "walls.kind", "walls.friction_angle_deg", "silo.half"}
+    assert set(differences(found, ["method.cfl"])) == columns
+
+
+def test_flags_stand_for_a_file():
+    plan = line(vary=["filling.kind=rain,layers"], fidelity="draft", film=True, jobs=1)
     assert list(plan.scenes()) == ["filling-rain", "filling-layers"]
     assert plan.film and plan.cluster == Local(jobs=1)
     assert {scene.flow.speed_m_per_s for scene in plan.scenes().values()} == {0.02}
-    assert from_command_line(None, [], ["sand=hostun"], NOTHING | {"slurm": True}).cluster == Slurm()
-    assert (
-        from_command_line(None, [], ["sand=hostun"], NOTHING | {"scheduler": "tcp://a:1"}).cluster.address
-        == "tcp://a:1"
-    )
+    assert line(vary=["sand=hostun"], slurm=True).cluster == Slurm()
+    assert line(vary=["sand=hostun"], scheduler="tcp://a:1").cluster == Scheduler(address="tcp://a:1")
 
 
 @pytest.mark.parametrize(
@@ -124,29 +170,25 @@ def test_flags_stand_for_a_file():
         ("scene = 3", "scene is 3; it must be a file, a list of files, or a table"),
         ("grid = 3", "grid is 3; it must be a table"),
         ("", "nothing varies; a sweep needs a table grid or latin_hypercube"),
-        ('[grid]\n"flow.speed" = [1.0]', "flow.speed varies; .* no such value; did you mean flow.speed_m_per_s"),
         ('[grid]\n"flow.speed_m_per_s" = 1.0', r"grid.flow.speed_m_per_s is 1.0; it must be a list of values"),
         ('[grid]\n"flow.speed_m_per_s" = []', "flow.speed_m_per_s varies; it must have a value"),
-        ('[grid]\n"flow.speed_m_per_s" = [0.1, 0.1]', "the value 0.1 is there twice"),
-        ('[grid]\n"flow.speed_m_per_s" = [-0.1]', "=-0.1: speed_m_per_s is -0.1; it must be at least 1e-09"),
-        ('[grid]\nsand = ["sahara"]', "sand=sahara: sand is sahara; it must be"),
         ('[grid]\n"silo.inserts.0.width_m" = [0.05]', r"silo.inserts.0.kind is missing; it must be given"),
         ('[grid]\n"silo.outlet.width_m" = [0.081]', "outlet width is 0.081 m; its edge .* must lie on the grid"),
-        ("[grid]\nfilling.layers = [2]\n[latin_hypercube]\nruns = 2\nbetween.flow.displacement_m = [0.1, 0.2]",
+        ("[grid]\nfilling.layers = [2]\n" + LATIN + "displacement_m = [0.1, 0.2]",
          "a sweep has a grid or a latin_hypercube, not both"),
         ("[latin_hypercube]\nruns = 1\nbetween.flow.displacement_m = [0.1, 0.2]",
          "latin_hypercube.runs is 1; it must be at least 2"),
         ("[latin_hypercube]\nruns = 2\nseeds = 1\nbetween = {}", "latin_hypercube.seeds is .*; did you mean .*seed"),
         ("[latin_hypercube]\nruns = 2", "latin_hypercube.between is missing; it must be given"),
-        ("[latin_hypercube]\nruns = 2\nbetween.flow.speed_m_per_s = [0.2, 0.1]",
+        (LATIN + "speed_m_per_s = [0.2, 0.1]",
          "low is 0.2; it must be below high = 0.1"),
-        ("[latin_hypercube]\nruns = 2\nbetween.flow.speed_m_per_s = [0.1, 0.2, 0.3]",
+        (LATIN + "speed_m_per_s = [0.1, 0.2, 0.3]",
          r"flow.speed_m_per_s is \[0.1, 0.2, 0.3\]; it must be \[low, high\]"),
-        ("[latin_hypercube]\nruns = 2\nbetween.flow.speed_m_per_s = {low = 0, high = 1, logarithmic = true}",
+        (LATIN + "speed_m_per_s = {low = 0, high = 1, logarithmic = true}",
          "low is 0; it must be above 0 for a logarithmic span"),
-        ("[latin_hypercube]\nruns = 2\nbetween.flow.speed_m_per_s = {low = 0, high = 1, stride = 1}",
+        (LATIN + "speed_m_per_s = {low = 0, high = 1, stride = 1}",
          "flow.speed_m_per_s.stride is not a parameter of a sweep"),
-        ("[latin_hypercube]\nruns = 2\nbetween.flow.speeds = [0.1, 0.2]", "flow.speeds varies; a scene has no"),
+        (LATIN + "speeds = [0.1, 0.2]", "flow.speeds varies; a scene has no"),
         ('[cluster]\nkind = "pbs"', "cluster.kind is pbs; it must be one of local, slurm, scheduler"),
         ('[cluster]\nkind = "slurm"\nwall_time = "1"', "cluster.wall_time is .*; did you mean cluster.walltime?"),
         ('[cluster]\nkind = "scheduler"', "cluster.address is missing; it must be given"),
@@ -158,17 +200,45 @@ def test_what_is_not_possible_is_refused_in_a_sentence(text, sentence):
         scenes(text)
 
 
-def test_flags_that_do_not_go_together_are_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("texts", "sentence"),
+    [
+        (["flow.speed=1"], "flow.speed varies; a scene has no such value; did you mean flow.speed_m_per_s"),
+        (["flow"], "vary is flow; it must be PATH=V1,V2"),
+        (["filling.kind=rain,,"], "it must be PATH=V1,V2"),
+        (["precision=f32"], "precision varies; a scene has no such value"),
+        (["machine.threads=2"], "each run of a batch has one thread"),
+        (["sand.name=hostun"], "it is only a label"),
+        (["flow.speed_m_per_s=0.01,-1"], "flow.speed_m_per_s=-1: speed_m_per_s is -1; it must be at least 1e-09"),
+        (["walls.kind=smooth,smooth"], "the value smooth is there twice"),
+        (["walls.kind=smooth"], "friction_angle_deg is not given; smooth walls need"),
+        (["sand=sahara"], "sand=sahara: sand is sahara; it must be"),
+        (["sand=hostun", "sand.void_ratio=dense"], "void ratio is dense; it must be a number"),
+        (["silo.width_m=0.2,0.333"], "silo.width_m=0.333: cell size is 0.005 m; it must divide the width of 0.333 m"),
+        ([f"sand.{name}=" + ",".join(map(str, range(30))) for name in ("n", "alpha", "beta")], "make 27000 runs"),
+        (["sand=" + "a" * 300 + ".toml"], "at most 200 are allowed"),
+    ],
+)
+def test_what_is_not_possible_is_refused_by_path_and_value(texts, sentence):
+    with pytest.raises(BadInput, match=sentence):
+        made(*texts)
+
+
+def test_flags_and_files_that_are_not_possible_are_refused(tmp_path):
     (tmp_path / "s.toml").write_text("[grid]\nfilling.layers = [2, 3]\n")
-    for file, texts, flags, sentence in (
-        (tmp_path / "s.toml", ["sand=hostun"], {}, "s.toml must say what varies"),
-        (None, ["sand=hostun", "sand=hamburg"], {}, "vary is given twice for sand"),
-        (None, ["sand=hostun"], {"scheduler": "tcp://a:1", "slurm": True}, "must be one of them"),
-        (None, ["sand=hostun"], {"scheduler": "tcp://a:1", "jobs": 2}, "a scheduler, which has its own workers"),
-        (tmp_path / "no.toml", [], {}, "no.toml cannot be read as a sweep"),
+    (tmp_path / "bad.toml").write_text("[flow]\nspeed_m_per_s = -1\n")
+    sand = ["sand=hostun"]
+    for given, sentence in (
+        ({"file": tmp_path / "s.toml", "vary": sand}, "s.toml must say what varies"),
+        ({"vary": [*sand, "sand=hamburg"]}, "vary is given twice for sand"),
+        ({"vary": sand, "scheduler": "tcp://a:1", "slurm": True}, "must be one of them"),
+        ({"vary": sand, "scheduler": "tcp://a:1", "jobs": 2}, "a scheduler, which has its own workers"),
+        ({"file": tmp_path / "no.toml"}, "no.toml cannot be read as a sweep"),
+        ({"files": [tmp_path / "bad.toml"], "vary": sand}, "bad.toml: speed_m_per_s is -1"),
+        ({"files": [tmp_path / "no.toml"], "vary": sand}, "no.toml"),
     ):
         with pytest.raises(BadInput, match=sentence):
-            from_command_line(file, [], texts, NOTHING | flags)
+            line(**given).scenes()
 
 
 # --- the latin hypercube ----------------------------------------------------------------------------------------------
@@ -220,16 +290,57 @@ def test_runs_of_a_hypercube_are_numbered_and_none_is_there_twice():
     assert list(found)[0] == "run-1"
 
 
-# --- the study --------------------------------------------------------------------------------------------------------
+# --- runs that are kept -----------------------------------------------------------------------------------------------
 
 
-def left(run: Run, pressure: float | None) -> None:
-    """What a finished run leaves."""
-    run.folder.mkdir(parents=True)
-    write_parameters(run.folder, run.scene, {"finished": True})
-    stresses = {} if pressure is None else {"filling": {"node": 2.0 * pressure, "pressure_cell": pressure}}
-    summary = {"finished": True, "largest_wall_normal_stress_Pa": stresses, "flow_pattern": {"kind": "mass"}}
-    (run.folder / "summary.json").write_text(json.dumps(summary))
+def left(folder: Path, scene: Scene, factor: float = 1.0, **summary) -> Run:
+    """A run that was there: its scene, its summary and its forces."""
+    folder.mkdir(parents=True)
+    write_parameters(folder, scene, {"finished": True})
+    forces = {"bottom_N_per_m": 500.0 * factor, "shear_N_per_m": 600.0, "normal_N_per_m": 700.0 * factor}
+    found = {
+        "finished": True,
+        "filling": forces | {"wall_friction_angle_deg": 30.0},
+        "largest_wall_normal_stress_Pa": {
+            "filling": {"node": 1.0, "pressure_cell": 2.0}, "residual": {"node": 3.0, "pressure_cell": 1.0},
+        },
+        "cost": {"points": 40, "steps": 100, "seconds": 1.0},
+    }  # fmt: skip
+    (folder / "summary.json").write_text(json.dumps(found | summary))
+    u = np.linspace(0.0, scene.flow.displacement_m, 50)
+    rows = {"stage": "flow", "time_s": u, "displacement_m": u, "bottom_force_N_per_m": 500.0 * factor}
+    rows |= {f"{side}_{kind}_N_per_m": 700.0 * factor for side in ("left", "right") for kind in ("normal", "shear")}
+    pd.DataFrame(rows).to_csv(folder / "forces.csv", index=False)
+    return Run(scene, folder)
+
+
+def test_a_run_is_there_if_its_scene_is_the_wanted_one_on_any_machine_and_it_finished(tmp_path):
+    scene = Scene(walls={"kind": "smooth", "friction_angle_deg": 19.0}, machine={"threads": 1})
+    run = left(tmp_path / "run", scene)
+    assert run.finished
+    assert Run(changed(scene, {"machine.lanes": False}), run.folder).finished
+    assert not Run(scene, run.folder, film=True).finished, "its film is not"
+    assert not left(tmp_path / "failed", scene, finished=False, failure="no sand").finished
+    other = Run(changed(scene, {"flow.speed_m_per_s": 0.003}), run.folder)
+    assert not other.finished and other.summary == {}
+    with pytest.raises(BadInput, match="holds another scene's run; give another folder, or --overwrite it"):
+        other.check()
+    run.check()
+    Run(scene, tmp_path / "nothing").check()
+
+
+def test_whoever_wants_a_finished_run_again_gets_it_from_the_start(tmp_path):
+    """A run that is finished when it is attempted would be left alone."""
+    seen = []
+
+    class Nobody(ProcessPool):
+        def run(self, tasks, console, ended):
+            seen.extend(Run.from_json(task.line)[0] for task in tasks)
+            return {}
+
+    run = left(tmp_path / "run", Scene(machine={"threads": 1}))
+    simulate({"run": run}, Nobody(1))
+    assert seen == [run] and not run.finished and not (run.folder / "forces.csv").exists()
 
 
 def study(folder: Path, *texts: str, overwrite: bool = False, **more) -> Study:
@@ -239,14 +350,13 @@ def study(folder: Path, *texts: str, overwrite: bool = False, **more) -> Study:
 def test_what_is_there_is_kept_drawn_and_in_the_table_without_a_cluster(tmp_path):
     one = study(tmp_path, "silo.outlet.width_m=0.04,0.08", "filling.kind=rain,layers")
     for number, run in enumerate(one.runs.values()):
-        left(run, 1e3 * (1 + number))
+        left(run.folder, run.scene, 1 + number)
     again = study(tmp_path, "silo.outlet.width_m=0.04,0.08", "filling.kind=rain,layers")
     assert again.missing == {} and again.varied == ["silo.outlet.width_m", "filling.kind"]
     again.run()
     table = pd.read_csv(tmp_path / TABLE)
-    assert table[PRESSURE].tolist() == [1e3, 2e3, 3e3, 4e3] and table.finished.all()
-    assert set(table.flow_pattern) == {"mass"}
-    assert [file.name for file in again.left] == [TABLE, "response.png"]
+    assert table.N_filled_N_per_m.tolist() == [700.0, 1400.0, 2100.0, 2800.0] and table.finished.all()
+    assert [file.name for file in again.left] == [TABLE, "response.png", "forces.png"]
     assert not (tmp_path / ".sweep").exists()
     assert json.loads(json.dumps(again.result, default=str))["runs"] == dict.fromkeys(one.runs, True)
     assert set(study(tmp_path, "filling.kind=rain,layers", overwrite=True).missing) == {
@@ -255,16 +365,14 @@ def test_what_is_there_is_kept_drawn_and_in_the_table_without_a_cluster(tmp_path
 
 
 def test_a_run_that_another_attempt_has_finished_by_now_is_left_alone(tmp_path):
-    run = Run(Scene(machine={"threads": 1}), tmp_path / "run")
-    left(run, 1e3)
+    run = left(tmp_path / "run", Scene(machine={"threads": 1}))
     before = {file: file.stat().st_mtime_ns for file in run.folder.iterdir()}
     run.attempt()
     assert {file: file.stat().st_mtime_ns for file in run.folder.iterdir()} == before
 
 
 def test_two_processes_do_not_attempt_a_run_at_once(tmp_path, monkeypatch):
-    run = Run(Scene(machine={"threads": 1}), tmp_path / "run")
-    left(run, 1e3)
+    run = left(tmp_path / "run", Scene(machine={"threads": 1}))
     monkeypatch.setattr("taichi_silo.studies.sweep.runs.WAIT_S", 0.3)
     with alone(run.folder / LOCK, 0.0, ""), pytest.raises(BadInput, match="is being written by another process"):
         run.attempt()
@@ -291,12 +399,6 @@ def test_an_estimate_says_what_it_would_cost_and_leaves_nothing(tmp_path, capsys
     assert "0 runs are there, 2 to do: about" in err and not (tmp_path / "out").exists()
 
 
-def test_a_folder_with_another_scenes_run_is_refused(tmp_path):
-    left(Run(Scene(), tmp_path / "filling-rain"), 1.0)
-    with pytest.raises(BadInput, match="holds another scene's run"):
-        study(tmp_path, "filling.kind=rain,layers")
-
-
 def test_a_response_that_the_table_does_not_hold_is_refused(tmp_path):
     for response, sentence in (
         (Response(y="P_fill_N_per_m"), "response.y is P_fill_N_per_m; did you mean P_filled_N_per_m?"),
@@ -319,7 +421,8 @@ def test_a_sweep_on_a_cluster_needs_dask_and_one_on_this_machine_does_not(monkey
 
 
 def test_a_job_of_slurm_asks_for_what_the_file_says(tmp_path):
-    cluster = sweep("""
+    cluster = from_tables(
+        tomllib.loads("""
         [cluster]
         kind = "slurm"
         queue = "short"
@@ -329,7 +432,9 @@ def test_a_job_of_slurm_asks_for_what_the_file_says(tmp_path):
         account = "sand"
         job_extra = ["--exclusive"]
         prologue = ["module load python"]
-    """).cluster
+    """),
+        Path(),
+    ).cluster
     with cluster.cluster(tmp_path) as slurm:
         script = slurm.job_script()
     for line in ("-p short", "-A sand", "--cpus-per-task=8", "--mem=23G", "-t 02:30:00", "--exclusive"):
@@ -341,6 +446,43 @@ def test_a_job_of_slurm_asks_for_what_the_file_says(tmp_path):
     assert cluster.with_jobs(20).jobs == 3 and cluster.with_jobs(20).at_once == 24
     with Slurm().cluster(tmp_path) as slurm:
         assert "#SBATCH --mem=30G" in slurm.job_script(), "2 GB a core"
+
+
+def test_the_table_has_a_row_for_every_run_and_says_why_one_failed(tmp_path):
+    found = made("sand.void_ratio=0.6,0.7,0.8")
+    runs = {name: Run(scene, tmp_path / name) for name, scene in found.items()}
+    first, second, third = runs
+    left(tmp_path / first, found[first], warnings=["a", "b"])
+    why = {second: "killed"}
+    rows = [row(name, run, ["sand.void_ratio"], why.get(name, "")) for name, run in runs.items()]
+    table = leave_table(tmp_path / "batch.csv", rows)
+    read = pd.read_csv(tmp_path / "batch.csv").set_index("run")
+    assert list(read.index) == list(table.run) == list(runs)
+    assert read["sand.void_ratio"].tolist() == [0.6, 0.7, 0.8]
+    assert read.finished.tolist() == [True, False, False]
+    assert read.failure[second] == "killed" and pd.isna(read.failure[third])
+    assert (read.P_filled_N_per_m[first], read.N_filled_N_per_m[first], read.warnings[first]) == (500.0, 700.0, 2)
+    assert read.largest_wall_normal_stress_node_Pa[first] == 3.0
+    assert read.largest_wall_normal_stress_pressure_cell_Pa[first] == 2.0
+    assert not list(tmp_path.glob("*.part"))
+
+
+@pytest.mark.parametrize("count", [1, 7, 17])
+def test_of_many_runs_a_few_from_least_to_largest_are_coloured(tmp_path, count):
+    runs = [left(tmp_path / f"run{k}", Scene(), 1.0 + 0.01 * k) for k in range(count)]
+    figure = batch_figure([Result(run.folder) for run in runs])
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert len(names) == min(count, len(COLORS))
+    assert {"run0", f"run{count - 1}"} <= set(names)
+    assert len(figure.axes[0].get_lines()) == count
+    assert batch_figure([]) is None
+
+
+def test_an_output_that_cannot_be_written_is_refused_and_leaves_nothing(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(BadInput, match="cannot be written"):
+        writable(tmp_path / "file" / "batch")
+    assert writable(tmp_path / "a" / "b").is_dir()
 
 
 # --- the figure -------------------------------------------------------------------------------------------------------
