@@ -74,7 +74,8 @@ class Result(os.PathLike):
         if not (self.folder / MADE).is_file():
             why = f"it holds no {MADE}" if self.folder.is_dir() else "there is no such folder"
             raise BadInput(f"folder is {self.folder}; it must be that of a run, and {why}")
-        self.label, self.tolerant, self._damaged = label or self.folder.resolve().name, tolerant, []
+        self.label, self.tolerant = label or self.folder.resolve().name, tolerant
+        self._damaged: list[str] = []
 
     def __fspath__(self) -> str:
         return str(self.folder)

@@ -18,6 +18,7 @@ def wall_angle_deg(run: Result) -> float:
     """Friction angle along the walls: the wall's own, or of critical simple shear at very rough walls."""
     if run.scene.walls.kind == "very-rough":
         return critical_simple_shear_angle_deg(run.scene.sand.critical_friction_angle_deg)
+    assert run.scene.walls.friction_angle_deg is not None  # smooth walls have one
     return run.scene.walls.friction_angle_deg
 
 

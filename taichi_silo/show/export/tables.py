@@ -35,9 +35,9 @@ def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) ->
     try:
         rows = []
         for row, position, arrays in states(run):
-            file = f"{Path(row['file']).stem}.csv"
-            _table(position, arrays).to_csv(passing / file, index=False, encoding="utf-8")
-            rows.append({**row, "file": file})
+            name = f"{Path(row['file']).stem}.csv"
+            _table(position, arrays).to_csv(passing / name, index=False, encoding="utf-8")
+            rows.append({**row, "file": name})
             seen()
         pd.DataFrame(rows).to_csv(passing / "index.csv", index=False, encoding="utf-8")
         target.mkdir(exist_ok=True)

@@ -87,11 +87,12 @@ class Sink(io.RawIOBase):
 
     def truncate(self, size: int | None = None) -> int:
         """Cut the file off; an error is kept."""
+        size = self.place if size is None else size
         try:
-            return self.stream.truncate(self.place if size is None else size)
+            self.stream.truncate(size)
         except OSError as error:
             self.trouble = self.trouble or error
-            return size
+        return size
 
     def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
         """Go to a byte."""
@@ -112,7 +113,8 @@ class Series:
     """Arrays of a group that grow; they stay open, so that a chunk is packed once."""
 
     def __init__(self, root: h5py.Group):
-        self.root, self.data = root, {}
+        self.root = root
+        self.data: dict[str, h5py.Dataset] = {}
 
     def append(self, position: np.ndarray, arrays: dict[str, np.ndarray]) -> None:
         """Add one state at the end of all arrays."""

@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from taichi_silo.runs.result import Result
+from taichi_silo.runs.result import Result, residual
 from taichi_silo.show.figures.forces import FORCES, running_median, x_axis
 from taichi_silo.show.figures.style import COLORS, new_figure, start_at_zero
 
@@ -42,6 +42,6 @@ def _spread(runs: list[Result]) -> list[Result]:
     """All runs, or as many as there are colours, evenly from the least to the largest residual N."""
     if len(runs) <= len(COLORS):
         return runs
-    ordered = sorted(runs, key=lambda run: run.residual["N"])
+    ordered = sorted(runs, key=lambda run: residual(run.flow)["N"].mean())
     last = len(COLORS) - 1
     return [ordered[round(k * (len(ordered) - 1) / last)] for k in range(len(COLORS))]

@@ -4,6 +4,7 @@ import textwrap
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from taichi_silo.runs.result import Result
@@ -37,8 +38,8 @@ def angle(rows):
     return np.where(known, rows["wall_friction_angle_deg"], np.nan)
 
 
-def run_forces_figure(run):
-    """Return the figure of P, T and N of one run, or None without data."""
+def run_forces_figure(run: Result) -> Figure | None:
+    """Figure of P, T and N of one run, or None without data."""
     if run.forces.empty:
         return None
     figure = new_figure(11.0, 4.6)
@@ -60,8 +61,8 @@ def run_forces_figure(run):
     return figure
 
 
-def run_angle_figure(run):
-    """Return the figure of the wall friction angle of one run, or None without data."""
+def run_angle_figure(run: Result) -> Figure | None:
+    """Figure of the wall friction angle of one run, or None without data."""
     if run.forces.empty:
         return None
     figure = new_figure(7.5, 5.2)
@@ -77,7 +78,7 @@ def run_angle_figure(run):
     return figure
 
 
-def draw_curve(panel, run, quantity, color, label, raw_label=None):
+def draw_curve(panel, run: Result, quantity, color, label, raw_label=None):
     """Draw every row as a light line, its running median on top, and the state after filling as a marker.
 
     A run without flow is drawn against the time of its filling.
@@ -103,7 +104,7 @@ def draw_curve(panel, run, quantity, color, label, raw_label=None):
         )
 
 
-def _each_wall(panel, run, name: str, color):
+def _each_wall(panel, run: Result, name: str, color):
     """Draw the medians of the left and the right wall's force where they differ."""
     rows = run.flow
     if rows.empty:
@@ -128,7 +129,7 @@ def _median_label(label: str, x) -> str:
 
 
 def running_median(x, y) -> pd.Series:
-    """Return the running median over a centred window of constant width in x, which narrows at the start.
+    """The running median over a centred window of constant width in x, which narrows at the start.
 
     A one-sided window would hide the steep change of the forces as the bottom begins to move.
     """
@@ -172,7 +173,7 @@ def _values(rows, name: str):
     return rows[name if name in ("P", "T", "N") else f"{name}_N_per_m"]
 
 
-def janssen_line(panel, run, name: str):
+def janssen_line(panel, run: Result, name: str):
     """Draw Janssen's force as a dashed line."""
     origin, ratio = next(iter(theory.pressure_ratios(run).items()))
     fill = theory.janssen(run, ratio)
@@ -186,7 +187,7 @@ def janssen_line(panel, run, name: str):
     _reference_line(panel, value / 1e3, "--", f"Janssen, {origin} = {ratio:.2f}")
 
 
-def reference_angle(panel, run):
+def reference_angle(panel, run: Result):
     """Draw the friction angle of the wall, or of critical simple shear along a very rough one."""
     reference, rough = theory.wall_angle_deg(run), run.scene.walls.kind == "very-rough"
     name = "critical simple shear" if rough else "wall friction"

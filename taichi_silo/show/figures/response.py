@@ -128,7 +128,7 @@ def _panel(figure, panel, table: pd.DataFrame, x: str, y: str, colour: str | Non
         panel.set_xlim(-0.6, len(ticks) - 0.4)
     elif _wide(places):
         panel.set_xscale("log")
-    if bar is not None:
+    if bar is not None and colour is not None:
         figure.colorbar(bar, ax=panel, label=label(colour), pad=0.02)
     if handles:
         panel.legend(
@@ -167,11 +167,11 @@ def _shades(values: pd.Series) -> tuple[list, list[Line2D], ScalarMappable | Non
         known = dict(zip(dict.fromkeys(words), WORDS * (1 + len(words)), strict=False))
         return [known[word] for word in words], [_dot(shade, word) for word, shade in known.items()], None
     numbers = values.to_numpy(float) * _parts(values.name)[2]
-    known, colours = sorted(set(numbers)), colormaps[NUMBERS]
-    if len(known) <= len(WORDS):
-        shades = {one: colours(BRIGHTEST * k / max(len(known) - 1, 1)) for k, one in enumerate(known)}
+    steps, colours = sorted(set(numbers)), colormaps[NUMBERS]
+    if len(steps) <= len(WORDS):
+        shades = {one: colours(BRIGHTEST * k / max(len(steps) - 1, 1)) for k, one in enumerate(steps)}
         return [shades[one] for one in numbers], [_dot(shade, f"{one:.4g}") for one, shade in shades.items()], None
-    norm = (LogNorm if _wide(numbers) else Normalize)(known[0], known[-1])
+    norm = (LogNorm if _wide(numbers) else Normalize)(steps[0], steps[-1])
     bar = ScalarMappable(norm, ListedColormap(colours(np.linspace(0.0, BRIGHTEST, 256))))
     return list(bar.to_rgba(numbers)), [], bar
 

@@ -1,8 +1,10 @@
 """The look shared by all figures: colours that colour-blind readers tell apart, sizes, a light grid."""
 
 import textwrap
+from typing import Any
 
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 BLACK, BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (  # palette of Okabe and Ito
     "#000000",
@@ -16,7 +18,7 @@ BLACK, BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (  # palette of Okabe and 
 COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)  # one after the other, where they mean nothing
 REFERENCE = "#555555"  # theory and reference lines
 
-STYLE = {
+STYLE: Any = {
     "font.size": 12,
     "axes.titlesize": 12.5,
     "axes.labelsize": 12,
@@ -41,9 +43,7 @@ STYLE = {
 
 def new_figure(width_in: float, height_in: float) -> Figure:
     """Return an empty figure that arranges its own margins and belongs to no global state."""
-    figure = Figure(figsize=(width_in, height_in), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.06, h_pad=0.06)
-    return figure
+    return Figure(figsize=(width_in, height_in), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06))
 
 
 def put_title(figure: Figure, *lines: str):

@@ -4,8 +4,10 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from taichi_silo.runs.result import Result
 from taichi_silo.runs.snapshot import figured
 from taichi_silo.show.figures.style import new_figure, put_title
 from taichi_silo.show.titles import title
@@ -17,8 +19,8 @@ COLORS = "viridis"
 CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
 
-def chosen_snapshots(run) -> list:
-    """Return for each displacement of `DISPLACEMENTS_MM` the nearest snapshot (a row of the index) or None.
+def chosen_snapshots(run: Result) -> list:
+    """For each displacement of `DISPLACEMENTS_MM` the nearest snapshot (a row of the index) or None.
 
     A run that ended early shows its last state in place of the first displacement that it did not reach.
     """
@@ -45,15 +47,15 @@ def chosen_snapshots(run) -> list:
     return chosen
 
 
-def _with_end(run, rows: list) -> list:
-    """Return chosen rows of the index, and the last state of a run that has gone far beyond them."""
+def _with_end(run: Result, rows: list) -> list:
+    """Chosen rows of the index, and the last state of a run that has gone far beyond them."""
     index = figured(run.snapshots)
     last = index[index["stage"] == "flow"].tail(1)
     beyond = rows and len(last) and last["displacement_m"].iloc[0] > BEYOND * rows[-1]["displacement_m"]
     return [*rows, last.iloc[0]] if beyond else rows
 
 
-def field_of(run, file: str):
+def field_of(run: Result, file: str):
     """Places (n, 2) [m] of a stored state, void ratio (n,), and side (n,) [m] of the square each point stands for."""
     points = run.state(file.removesuffix(".vtu"))
     place, void_ratio, volume = points["position"], points["void_ratio"], points["volume"]
@@ -61,8 +63,8 @@ def field_of(run, file: str):
     return place[finite], void_ratio[finite], np.sqrt(volume[finite])
 
 
-def run_void_ratio_figure(run):
-    """Return the figure of one run, or None without snapshots."""
+def run_void_ratio_figure(run: Result) -> Figure | None:
+    """Figure of one run, or None without snapshots."""
     rows = _with_end(run, [row for row in chosen_snapshots(run) if row is not None])
     if not rows:
         return None
@@ -98,20 +100,20 @@ def draw_field(panel, field, norm, limits, solids):
 
 
 def _ticks(limits):
-    """Return ticks at both walls and half-way, to 10 mm where there is room for it."""
+    """Ticks at both walls and half-way, to 10 mm where there is room for it."""
     low, high = np.round(limits, -1 if limits[1] - limits[0] > 50.0 else 0) + 0.0
     return [low, (low + high) / 2.0, high]
 
 
 def moment(row, still_filling: bool) -> str:
-    """Return when a snapshot was taken."""
+    """When a snapshot was taken."""
     if still_filling:
         return f"filling, t = {row['time_s']:.3g} s"
     return f"u = {1e3 * row['displacement_m']:.3g} mm"
 
 
 def color_range(fields) -> Normalize:
-    """Return a colour range from the 0.5 to the 99.5 percentile of all fields."""
+    """A colour range from the 0.5 to the 99.5 percentile of all fields."""
     low, high = np.nanpercentile(np.concatenate([field[1] for field in fields]), (0.5, 99.5))
     if high - low < 0.01:  # a uniform field shall look uniform
         low, high = 0.5 * (low + high) - 0.005, 0.5 * (low + high) + 0.005
@@ -119,7 +121,7 @@ def color_range(fields) -> Normalize:
 
 
 def limits_of(fields):
-    """(low, high) of x and of height [mm] around all fields."""
+    """Ends (low, high) of x and of height [mm] around all fields."""
     low = np.min([np.min(position - 0.5 * side[:, None], axis=0) for position, _, side in fields], axis=0)
     high = np.max([np.max(position + 0.5 * side[:, None], axis=0) for position, _, side in fields], axis=0)
     return (1e3 * low[0], 1e3 * high[0]), (1e3 * low[1] - 2.0, 1e3 * high[1] + 2.0)

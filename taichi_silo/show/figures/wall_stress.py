@@ -1,8 +1,10 @@
 """Normal and shear stress along the walls against height (Fig. 13 of the paper)."""
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from taichi_silo.analysis.measure.wall_pressure import CELL_M, HOPPER_CELL_M, cell_mean
+from taichi_silo.runs.result import Result
 from taichi_silo.show import theory
 from taichi_silo.show.figures.style import BLACK, BLUE, REFERENCE, VERMILLION, new_figure, put_title, start_at_zero
 from taichi_silo.show.titles import title
@@ -18,8 +20,8 @@ LOPSIDED = f"bold: as a pressure cell of {1e3 * CELL_M:g} mm reads; outlet off t
 STRESSES = {"normal_stress_Pa": "wall normal stress (kPa)", "shear_stress_Pa": "wall shear stress (kPa)"}
 
 
-def run_wall_stress_figure(run):
-    """Return the figure of one run, or None without wall profiles."""
+def run_wall_stress_figure(run: Result) -> Figure | None:
+    """Figure of one run, or None without wall profiles."""
     if not has_profiles(run):
         return None
     figure = new_figure(9.6, 6.4)
@@ -44,12 +46,12 @@ def fit_bold(panels):
         panels[0].set_xlim(right=1.35 * largest)
 
 
-def has_profiles(run) -> bool:
+def has_profiles(run: Result) -> bool:
     """Whether a run has stresses of its vertical walls."""
     return bool(run.walls["wall"].isin(["left", "right"]).any())
 
 
-def draw_stress(panel, run, quantity: str, name_origin: bool = True):
+def draw_stress(panel, run: Result, quantity: str, name_origin: bool = True):
     """Draw one stress [kPa] against height [mm] for all states, with Janssen's theory."""
     for state, (color, width, label) in STATES.items():
         profiles = [run.profile(state, wall, quantity) for wall in ("left", "right")]
@@ -76,7 +78,7 @@ def draw_stress(panel, run, quantity: str, name_origin: bool = True):
     panel.set_ylim(top=1.05e3 * run.scene.silo.height_m)  # nodes above the sand carry nothing
 
 
-def _draw_janssen(panel, run, quantity: str, name_origin: bool):
+def _draw_janssen(panel, run: Result, quantity: str, name_origin: bool):
     """Draw Janssen's stress for each stored pressure ratio."""
     for (origin, ratio), line in zip(theory.pressure_ratios(run).items(), ("--", ":"), strict=False):
         fill = theory.janssen(run, ratio)
@@ -97,7 +99,7 @@ def _draw_janssen(panel, run, quantity: str, name_origin: bool):
         )
 
 
-def _draw_code(panel, run, quantity: str):
+def _draw_code(panel, run: Result, quantity: str):
     """Draw the stress on discharge after EN 1991-4, of sand as in its table."""
     code = theory.eurocode(run)
     if code is None:

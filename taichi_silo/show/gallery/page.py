@@ -101,11 +101,8 @@ def _entry(folder: Path, root: Path, page: Path) -> Entry:
 
 def _stills(found: dict, page: Path) -> tuple[Still, ...]:
     """Those of files, each with its words and picture, that have a picture."""
-    return tuple(
-        Still(words, html.jpeg(picture, WIDTH), _link(file, page))
-        for file, (words, picture) in found.items()
-        if picture
-    )
+    pictures = {file: (words, html.jpeg(picture, WIDTH)) for file, (words, picture) in found.items()}
+    return tuple(Still(words, data, _link(file, page)) for file, (words, data) in pictures.items() if data)
 
 
 def _state(summary: dict) -> str:

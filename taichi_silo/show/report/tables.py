@@ -83,8 +83,9 @@ def _force_note(run: Result, theory: dict) -> str:
     if ratios:
         angle = number(theory.get("wall_friction_angle_deg"))
         words += f" Janssen: wall friction {angle}°, {', '.join(ratios)} (in brackets: the run against it)."
-    walker = [(run.summary.get("theory") or {}).get(f"walker_{state}") for state in ("filling", "discharge")]
-    if all(walker):
+    found = run.summary.get("theory") or {}
+    walker = [found[f"walker_{state}"] for state in ("filling", "discharge") if found.get(f"walker_{state}")]
+    if len(walker) == len(WHEN):
         wall, outlet = (
             " and ".join(f"{kN(one[f'{part}_force_N_per_m'])} {when}" for when, one in zip(WHEN, walker, strict=True))
             for part in ("wall", "outlet")

@@ -1,6 +1,7 @@
 """The table of differences: every quantity of every run against the first one; and each run against Janssen."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -39,8 +40,9 @@ def differences(runs: list[Result]) -> pd.DataFrame:
             rows.append((quantity, state, unit, run.label, value, base, *_against(value, base)))
     for state, words in STATES.items():
         for run in runs:
-            rms, mean = profile_difference(run, runs[0], state) or (None, None)
-            share = 100.0 * rms / mean if mean is not None and mean > LEAST_PA else None
+            found = profile_difference(run, runs[0], state)
+            rms, mean = found or (None, None)
+            share = 100.0 * found[0] / found[1] if found and found[1] > LEAST_PA else None
             rows.append((PROFILE, words, "Pa", run.label, rms, mean, rms, share))
     return pd.DataFrame(rows, columns=list(COLUMNS), dtype=object)
 
@@ -110,6 +112,7 @@ def _against(value: float | None, other: float | None) -> tuple[float | None, fl
 
 def _number(tables: dict, *names: str) -> float | None:
     """A finite number in tables within tables; None if it is not there."""
+    value: Any = tables
     for name in names:
-        tables = (tables or {}).get(name)
-    return float(tables) if isinstance(tables, int | float) and np.isfinite(tables) else None
+        value = (value or {}).get(name)
+    return float(value) if isinstance(value, int | float) and np.isfinite(value) else None

@@ -75,19 +75,20 @@ def read(file: Path) -> Measured:
     if b"\x00" in text:
         raise BadInput(f"{file} cannot be read as a table: it must be text, in UTF-8")
     try:
-        lines = text.decode("utf-8-sig").splitlines()
+        whole = text.decode("utf-8-sig")
     except UnicodeDecodeError:  # as spreadsheets of Windows save it
-        lines = text.decode("cp1252", errors="replace").splitlines()
-    lines = [(n, line) for n, line in enumerate(lines, 1) if line.strip(" ;,\t") and not line.startswith("#")]
+        whole = text.decode("cp1252", errors="replace")
+    numbered = enumerate(whole.splitlines(), 1)
+    lines = [(n, line) for n, line in numbered if line.strip(" ;,\t") and not line.startswith("#")]
     if not lines:
         raise BadInput(f"{file} is empty; its first line must name its columns")
     separator = next((mark for mark in (";", "\t") if mark in lines[0][1]), ",")
     if lines[0][1].count(separator) > MOST_COLUMNS:
-        columns = lines[0][1].count(separator) + 1
-        raise BadInput(f"{file} has {columns} columns; a table of measurements has at most {MOST_COLUMNS}")
-    rows = csv.reader((line for _, line in lines), delimiter=separator)
+        many = lines[0][1].count(separator) + 1
+        raise BadInput(f"{file} has {many} columns; a table of measurements has at most {MOST_COLUMNS}")
     try:
-        head, *rows = [[cell.strip() for cell in row] for row in rows]
+        reader = csv.reader((line for _, line in lines), delimiter=separator)
+        head, *rows = [[cell.strip() for cell in row] for row in reader]
     except csv.Error as error:
         raise BadInput(f"{file} cannot be read as a table: {error}") from error
     while head and not head[-1]:  # what a spreadsheet leaves behind the last column
@@ -97,7 +98,7 @@ def read(file: Path) -> Measured:
         raise BadInput(f"{file} has no rows; it must have at least one below the names of its columns")
     if len(rows) != len(lines) - 1:
         raise BadInput(f"{file} has line breaks within quotes; it must have one row a line")
-    table = {name: [] for name, _ in columns if name}
+    table: dict[str, list] = {name: [] for name, _ in columns if name}
     for (number, _), row in zip(lines[1:], rows, strict=True):
         if len(row) < len(head) or any(row[len(head) :]):
             hint = "" if separator != "," else "; numbers with decimal commas need semicolons between columns"

@@ -67,21 +67,19 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, csv: list[Path
     if len(runs) == 1 and not (janssen or measured):
         raise BadInput("runs: there is 1; it must be 2 or more, or one with --janssen or --csv FILE")
     with as_left(runs[0].folder if len(runs) == 1 else f"one of {len(runs)}"):
-        left = {
-            "compare.csv": tables.differences(runs),
-            "janssen.csv": tables.janssen(runs) if janssen else None,
-            "deviation.csv": deviations(runs, measured) if measured else None,
-        }
+        found = tables.differences(runs)
+        theory = tables.janssen(runs) if janssen else None
+        away = deviations(runs, measured) if measured else None
     no_link(*(output / f"{name}{end}" for name in PRODUCTS for end in ("", ".part")))
     output, files = writable(output), []
     for name in PRODUCTS:
         (output / name).unlink(missing_ok=True)
-    for name, table in left.items():
+    for name, table in (("compare.csv", found), ("janssen.csv", theory), ("deviation.csv", away)):
         if table is not None:
             files.append(output / name)
             with atomic_write.written(files[-1]) as passing:
                 table.to_csv(passing, index=False, encoding="utf-8")
-    return Comparison(runs, *left.values(), files + plot_compared(runs, measured, janssen, output))
+    return Comparison(runs, found, theory, away, files + plot_compared(runs, measured, janssen, output))
 
 
 def read_runs(folders: list[Path]) -> list[Result]:
