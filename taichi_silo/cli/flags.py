@@ -4,7 +4,6 @@ import functools
 import inspect
 import typing
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -137,10 +136,4 @@ WeightFlag = option("averaging.weight")
 ShapeFlag = option("grid.shape")
 FidelityFlag = Annotated[
     str, typer.Option(help=f"{' | '.join(fidelities())}: cell size and speed where they are not given")
-]
-OutputFlag = Annotated[Path | None, typer.Option(help="folder of the run; outputs/... if not given")]
-OverwriteFlag = Annotated[bool, typer.Option("--overwrite", help="replace a run in the output folder")]
-FilmFlag = Annotated[bool, typer.Option(help="draw void_ratio.mp4")]
-ExplainFlag = Annotated[
-    bool, typer.Option("--explain", help="print which parts of the method the scene uses, and why, and stop")
 ]

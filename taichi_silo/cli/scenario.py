@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from taichi_silo.cli import command_line, flags, model_silo
-from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
+from taichi_silo.cli.output_flags import ExplainFlag, FilmFlag, JsonFlag, OutputFlag, OverwriteFlag, QuietFlag
 from taichi_silo.scene.dotted_paths import tables_with
 from taichi_silo.scene.fidelity import STANDARD, Fidelity
 from taichi_silo.scene.fidelity import fidelity as named_fidelity
@@ -56,8 +56,8 @@ def silo_scenario(
 
     def scenario(
         *, sand: flags.SandFlag = scene.sand.name, fidelity: flags.FidelityFlag = STANDARD,
-        output: flags.OutputFlag = None, overwrite: flags.OverwriteFlag = False, film: flags.FilmFlag = True,
-        explain: flags.ExplainFlag = False, quiet: QuietFlag = False, json: JsonFlag = False, **values: Any,
+        output: OutputFlag = None, overwrite: OverwriteFlag = False, film: FilmFlag = True,
+        explain: ExplainFlag = False, quiet: QuietFlag = False, json: JsonFlag = False, **values: Any,
     ) -> Path | None:  # fmt: skip
         chosen, console = named_fidelity(fidelity), Console(quiet, json)
         tables = _tables(scene, flags.given(values, (*paths, *SHARED)), sand, chosen, (*paths, *SHARED))

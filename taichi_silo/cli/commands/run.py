@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
+from taichi_silo.cli.output_flags import ExplainFlag, FilmFlag, JsonFlag, OverwriteFlag, QuietFlag
 
 OPTIONS = {
     "context_settings": {"ignore_unknown_options": True, "allow_extra_args": True},
@@ -54,15 +54,13 @@ def scene_file(
     output: Annotated[
         Path | None, typer.Option(help="folder of the run; outputs/ and the file's name if not given")
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace a run in the output folder")] = False,
-    film: Annotated[bool, typer.Option(help="draw void_ratio.mp4")] = True,
+    overwrite: OverwriteFlag = False,
+    film: FilmFlag = True,
     change: Annotated[
         list[str] | None,
         typer.Option("--set", help="PATH=VALUE: another value, such as --set flow.speed_m_per_s=0.005; repeatable"),
     ] = None,
-    explain: Annotated[
-        bool, typer.Option("--explain", help="print which parts of the method the scene uses, and why, and stop")
-    ] = False,
+    explain: ExplainFlag = False,
     check: Annotated[bool, typer.Option("--check", help="only say whether the scene is possible")] = False,
     quiet: QuietFlag = False,
     json: JsonFlag = False,
