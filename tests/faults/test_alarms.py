@@ -228,7 +228,10 @@ def test_work_is_weight_times_way_and_sand_gains_no_more_motion_than_that():
     assert 0.0 < gain < work
 
 
-@pytest.mark.parametrize("silo", [Silo(half="no"), Silo(half="yes"), Silo(section="round", width_m=0.2)], ids=str)
+@pytest.mark.parametrize(
+    "silo",
+    [pytest.param(Silo(half="no"), marks=pytest.mark.long), Silo(half="yes"), Silo(section="round", width_m=0.2)],
+)
 def test_work_of_a_sinking_bottom_is_weight_less_bottom_force_times_its_way(silo):
     runtime.init()
     scene = SCENE.model_copy(update={"silo": silo, "walls": Walls()})

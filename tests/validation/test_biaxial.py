@@ -13,6 +13,8 @@ from validation.biaxial.compression import Biaxial
 from validation.biaxial.run import angles, band_of, leave, summary_of
 from validation.biaxial.scene import BiaxialScene
 
+pytestmark = pytest.mark.mechanics
+
 SCENE = BiaxialScene(points_across=16, shortening=0.04)
 
 

@@ -13,6 +13,8 @@ from validation.stability import crossing, integration, limits, order, precision
 from validation.stability.emptying import empty
 from validation.stability.stretching import NEEDED, stretch_at_fracture
 
+pytestmark = [pytest.mark.mechanics, pytest.mark.usefixtures("afresh")]
+
 LANES = False  # many kernels, each compiled once; see conftest.py
 
 
