@@ -3,20 +3,7 @@
 A step is a tuple of `Phase`s (`Solver.phases`), each a function that knows one point, node or row. An executor runs
 them, step after step: `Threads` on the fields, each thread over its own points and rows; `Tasks` on the fields, one
 parallel task a phase, with atomic sums, as on a GPU; `simd.executor.Simd` on eight points at once. All give the same
-step. The functions get as first argument the store that the executor works on, with these members:
-
-`read(name, p)`, `write(name, p, value)`
-    a field of point p (see `Particles`): a value, or a tuple of its components.
-`keep(field, p, value)`, `kept(field, p)`, `each(function, p)`
-    the entry of point p in a scalar field by points, and the value of a function of the point's number.
-`gather(field, p, t)`
-    what `g2p.gather` finds for point p.
-`read_sums(i, j, last)`, `write_velocity(k, x, y, old)`
-    mass, momentum (2) and force (2) of node (i, j), which are emptied; velocity and change of node k.
-`clear_axis(k, j)`, `fold(k, image, j)`, `unfold(k, image)`
-    of a row j with an axis of symmetry: see `mirrored_solver`.
-
-For the vector unit p is the number of a group of eight points, and a value eight numbers.
+step. The functions get as first argument the store that the executor works on: `field_store` says what a store offers.
 """
 
 from typing import NamedTuple
@@ -24,10 +11,9 @@ from typing import NamedTuple
 import taichi as ti
 
 from taichi_silo.errors import RunFailed
-from taichi_silo.mpm import g2p, runtime
-from taichi_silo.mpm.contracts import Shape
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.field_store import Fields
 from taichi_silo.mpm.grid import Grid
-from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 
 SCATTER, POINTS, NODES, ROWS = range(4)  # what a phase runs over; SCATTER: points that add to their nodes
@@ -68,104 +54,6 @@ def step_at(number, steps, dt, g0, g1, v0, v1, filling_drag):
     """Step `number` of so many, in which gravity goes linearly from g0 to g1, the plate velocity from v0 to v1."""
     part = (number + 0.5) / steps
     return Step(dt=dt, gravity=g0 + part * (g1 - g0), plate_velocity=v0 + part * (v1 - v0), filling_drag=filling_drag)
-
-
-@ti.data_oriented
-class Fields:
-    """The store of an executor that works on the fields of particles and grid themselves."""
-
-    def __init__(self, particles: Particles, grid: Grid, shape: Shape, atomic: bool):
-        self.particles, self.grid, self.shape, self.atomic = particles, grid, shape, atomic
-        self.read, self.write = particles.read, particles.write
-
-    @ti.func
-    def add(self, sums: ti.template(), k, value):
-        """Add to entry k of a sum."""
-        if ti.static(self.atomic):
-            sums[k] += value
-        else:
-            sums[k] = sums[k] + value
-
-    @ti.func
-    def keep(self, field: ti.template(), p, value):
-        """Set the entry of point p."""
-        field[p] = value
-
-    @ti.func
-    def kept(self, field: ti.template(), p):
-        """The entry of point p."""
-        return field[p]
-
-    @ti.func
-    def each(self, function: ti.template(), p):
-        """The function of p."""
-        return function(p)
-
-    @ti.func
-    def gather(self, field: ti.template(), p, t):
-        """What point p gathers."""
-        return g2p.gather(self.particles, self.grid, self.shape, field, p, t)
-
-    @ti.func
-    def points_of(self, t, threads: ti.template()):
-        """First of the points of thread t, and of those of the next."""
-        count = self.particles.active[None]
-        return t * count // threads, (t + 1) * count // threads
-
-    @ti.func
-    def scatter(self, run: ti.template(), t, threads: ti.template(), step, option: ti.template()):
-        """The phase that adds to the nodes, for the points of thread t."""
-        first, last = self.points_of(t, threads)
-        for p in range(first, last):
-            run(self, p, t, step, option)
-
-    @ti.func
-    def read_sums(self, i, j, last: ti.template()):
-        """Mass, momentum and force of node (i, j) from all copies, which are emptied (the mass only if `last`)."""
-        k = j * self.grid.columns + i
-        m, momentum, force = self.grid.mass[k], self.grid.momentum[k], self.grid.force[k]
-        for copy in ti.static(range(1, self.grid.copies)):
-            other = copy * self.grid.nodes + k
-            m, momentum = m + self.grid.mass[other], momentum + self.grid.momentum[other]
-            force = force + self.grid.force[other]
-        for copy in ti.static(range(self.grid.copies)):
-            other = copy * self.grid.nodes + k
-            if ti.static(last):
-                self.grid.mass[other] = 0.0
-            self.grid.momentum[other] = ti.Vector([0.0, 0.0])
-            self.grid.force[other] = ti.Vector([0.0, 0.0])
-        return m, momentum[0], momentum[1], force[0], force[1]
-
-    @ti.func
-    def write_velocity(self, k, x, y, old):
-        """Velocity (x, y) of node k, and its change from an old one."""
-        self.grid.velocity[k] = ti.Vector([x, y])
-        self.grid.change[k] = ti.Vector([x - old[0], y - old[1]])
-
-    @ti.func
-    def clear_axis(self, k, j):
-        """Nothing crosses the axis at node k: no momentum and no force along x."""
-        for copy in ti.static(range(self.grid.copies)):
-            self.grid.momentum[copy * self.grid.nodes + k][0] = 0.0
-            self.grid.force[copy * self.grid.nodes + k][0] = 0.0
-
-    @ti.func
-    def fold(self, k, image, j):
-        """Add the mirrored sums of node `image` to those of node k, and empty them."""
-        mirror, nothing = ti.Vector([-1.0, 1.0]), ti.Vector([0.0, 0.0])
-        for copy in ti.static(range(self.grid.copies)):
-            here, there = copy * self.grid.nodes + k, copy * self.grid.nodes + image
-            self.grid.mass[here] = self.grid.mass[here] + self.grid.mass[there]
-            self.grid.momentum[here] = self.grid.momentum[here] + mirror * self.grid.momentum[there]
-            self.grid.force[here] = self.grid.force[here] + mirror * self.grid.force[there]
-            self.grid.mass[there], self.grid.momentum[there], self.grid.force[there] = 0.0, nothing, nothing
-
-    @ti.func
-    def unfold(self, k, image):
-        """Mirror the velocities of node k to node `image`."""
-        mirror = ti.Vector([-1.0, 1.0])
-        for velocity in ti.static((self.grid.velocity, self.grid.change, self.grid.second_velocity)):
-            velocity[image] = mirror * velocity[k]
 
 
 @ti.data_oriented
@@ -242,30 +130,43 @@ class PhaseLoop:
             self.grid.follow(t, step)
 
 
-@ti.data_oriented
-class Threads:
-    """Plain loops on the threads of a processor, each with its own points, rows and copy of the sums."""
+class Executor:
+    """What a solver holds: runs the phases for some steps."""
 
-    def __init__(self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape):
-        threads = runtime.threads()
-        if grid.copies != threads:
-            raise ValueError(f"grid has {grid.copies} copies of its sums; {threads} threads need as many")
-        self.threads = threads
-        self.loop, self.store = PhaseLoop(phases, grid, threads), Fields(particles, grid, shape, atomic=False)
+    threads = 1  # that share a step
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
         """Do steps `done` to `done + count` of a schedule of `steps` (see `Solver.advance`)."""
+        raise NotImplementedError
+
+    def check(self) -> None:
+        """Raise RunFailed if threads lost each other."""
+
+    def state(self) -> dict | None:
+        """What outlives a launch beside the fields of points and nodes, for a checkpoint; None if nothing does."""
+        return None
+
+    def restore(self, state: dict | None) -> None:
+        """Go on from fields that were loaded, and from what `state` gave, if there is any."""
+
+
+@ti.data_oriented
+class Threads(Executor):
+    """Plain loops on the threads of a processor, each with its own points, rows and copy of the sums."""
+
+    def __init__(self, phases: tuple[Phase, ...], store: Fields):
+        self.threads, self.store = runtime.threads(), store
+        if store.grid.copies != self.threads:
+            raise ValueError(f"grid has {store.grid.copies} copies of its sums; {self.threads} threads need as many")
+        self.loop = PhaseLoop(phases, store.grid, self.threads)
+
+    def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
+        """One launch for all steps."""
         self._steps(done, count, steps, dt, *schedule, self.loop.barrier.reserve(count * self.loop.waits))
 
     def check(self) -> None:
-        """Raise RunFailed if the threads lost each other."""
+        """See `Barrier`."""
         self.loop.barrier.check()
-
-    def state(self) -> dict | None:
-        """What the executor keeps between launches beside the fields, for a checkpoint: nothing."""
-
-    def restore(self, state: dict | None) -> None:
-        """Go on from fields that were loaded."""
 
     @ti.kernel
     def _steps(
@@ -278,31 +179,20 @@ class Threads:
 
 
 @ti.data_oriented
-class Tasks:
+class Tasks(Executor):
     """One parallel task a phase, with atomic sums, as on a GPU; some steps a launch."""
 
-    threads = 1
-
-    def __init__(self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape):
-        self.phases, self.grid, self.particles = tuple(phase[:3] for phase in phases), grid, particles
-        self.store = Fields(particles, grid, shape, atomic=True)
+    def __init__(self, phases: tuple[Phase, ...], store: Fields):
+        self.phases = tuple(phase[:3] for phase in phases)
+        self.store, self.particles, self.grid = store, store.particles, store.grid
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
-        """Do steps `done` to `done + count` of a schedule of `steps` (see `Solver.advance`)."""
+        """Launches of BURST steps, then of one."""
         number = done
         while number < done + count:
             together = BURST if done + count - number >= BURST else 1
             self._steps(number, together, steps, dt, *schedule)
             number += together
-
-    def check(self) -> None:
-        """Tasks do not wait for each other."""
-
-    def state(self) -> dict | None:
-        """What the executor keeps between launches beside the fields, for a checkpoint: nothing."""
-
-    def restore(self, state: dict | None) -> None:
-        """Go on from fields that were loaded."""
 
     @ti.kernel
     def _steps(

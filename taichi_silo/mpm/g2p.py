@@ -3,7 +3,7 @@
     v_p += sum_i S_ip dv_i,   x_p += dt sum_i S_ip v_i,   L_p = sum_i v_i (x) grad S_ip     (paper, section 3.1)
 
 The eight slots are those of `p2g`. A function with an argument `points` works on point p of the fields as on the eight
-points of group p of the vector unit (see `executors`); the others work on fields. `t` is the number of the thread.
+points of group p of the vector unit (see `field_store`); the others work on fields. `t` is the number of the thread.
 """
 
 import taichi as ti

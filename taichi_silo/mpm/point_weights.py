@@ -1,6 +1,6 @@
 """Weights and derivatives between a point and the nodes that it touches.
 
-`points` is whatever can read a field of a point, `Particles` or the packed points of the vector unit: see `executors`.
+`points` is whatever can read a field of a point: `Particles`, or a store (see `field_store`).
 """
 
 import taichi as ti

@@ -9,7 +9,8 @@ import taichi as ti
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Filter, Law, Shape, Transfer, Wall
-from taichi_silo.mpm.executors import NODES, POINTS, ROWS, SCATTER, Phase, Tasks, Threads
+from taichi_silo.mpm.executors import NODES, POINTS, ROWS, SCATTER, Executor, Phase, Tasks, Threads
+from taichi_silo.mpm.field_store import Fields
 from taichi_silo.mpm.filters import Unfiltered
 from taichi_silo.mpm.g2p import affine_of, at_point, deform, gradient_of, move, respond
 from taichi_silo.mpm.geometry import Surroundings
@@ -95,7 +96,7 @@ class Solver:
         self.simd_refused = ""
         self.executor = self._executor(tuple(self.phases()), atomic, simd)
 
-    def _executor(self, phases: tuple[Phase, ...], atomic: bool, simd: bool | None) -> Simd | Tasks | Threads:
+    def _executor(self, phases: tuple[Phase, ...], atomic: bool, simd: bool | None) -> Executor:
         """What runs the phases, as the arguments ask, or the fastest that can be trusted."""
         obstacle = "its sums are atomic" if atomic else hindrance(self)
         if simd and obstacle:
@@ -105,7 +106,8 @@ class Solver:
             simd = not self.simd_refused
         if simd:
             return Simd(phases, self.particles, self.grid, self.shape, self.surroundings)
-        return (Tasks if atomic else Threads)(phases, self.particles, self.grid, self.shape)
+        store = Fields(self.particles, self.grid, self.shape, atomic)
+        return Tasks(phases, store) if atomic else Threads(phases, store)
 
     @property
     def threads(self) -> int:
@@ -200,7 +202,7 @@ class Solver:
         found.stable_step = found.transit * self.stable_fraction
         return found
 
-    # --- its phases: `store` is where the executor keeps points and nodes (see `executors`) --------------------------
+    # --- its phases: `store` is where the executor keeps points and nodes (see `field_store`) ------------------------
 
     @ti.func
     def _scatter(self, store: ti.template(), p, t, step, what: ti.template()):

@@ -11,7 +11,7 @@ import taichi as ti
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Shape
-from taichi_silo.mpm.executors import Phase, PhaseLoop
+from taichi_silo.mpm.executors import Executor, Phase, PhaseLoop
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.particles import Particles
@@ -42,7 +42,7 @@ def hindrance(solver: Any) -> str:
 
 
 @ti.data_oriented
-class Simd:
+class Simd(Executor):
     """Runs phases over groups of eight points (`executors` says what an executor is, `store.Layout` its arrays)."""
 
     def __init__(
@@ -61,7 +61,7 @@ class Simd:
         self.compiled = False
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
-        """Do steps `done` to `done + count` of a schedule of `steps` (see `Solver.advance`)."""
+        """Sort, take the state over from the fields, do all steps in one launch, and hand the state back."""
         self._sort(count, dt, schedule)
         self.load()
         arrays, before = (self.points, self.sums, self.nodal), self.loop.barrier.reserve(count * self.loop.waits)
@@ -75,7 +75,7 @@ class Simd:
         self._store(self.points, self.nodal)
 
     def check(self) -> None:
-        """Raise RunFailed if the threads lost each other."""
+        """See `Barrier`."""
         self.loop.barrier.check()
 
     def state(self) -> dict | None:

@@ -62,7 +62,7 @@ class Layout:
 
 @ti.data_oriented
 class Groups:
-    """The store of the vector unit, over arrays that were handed to a kernel (see `executors` for the members)."""
+    """The store of the vector unit, over arrays that were handed to a kernel (see `field_store` for the members)."""
 
     def __init__(self, layout: Layout, points: Any, sums: Any, nodal: Any):
         self.layout, self.points, self.sums, self.nodal = layout, points, sums, nodal
