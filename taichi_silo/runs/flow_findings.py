@@ -1,5 +1,7 @@
 """What a run's flow was like, for its summary: flow pattern, residence times, shear zones inside."""
 
+from typing import Any
+
 import numpy as np
 
 from taichi_silo.analysis.measure.flow_pattern import flow_pattern, mean_velocity
@@ -7,6 +9,7 @@ from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.residence import residence
 from taichi_silo.analysis.measure.zones import shear_zones
 from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.silo import Silo
 
 FEWEST = 25  # points for any of these measures
 
@@ -25,10 +28,11 @@ def flow_findings(filled: dict, before: dict, now: dict, scene: Scene) -> dict:
     seconds = now["time_s"] - before["time_s"]
     if len(now["mass"]) < FEWEST or not seconds > 0.0:
         return {}
-    silo, found = scene.silo, {}
-    over = [state["position"] + (0.0, state["sunk_m"]) for state in (before, now)]
+    silo: Silo = scene.silo
+    found: dict[str, Any] = {}
+    then, here = (state["position"] + (0.0, state["sunk_m"]) for state in (before, now))
     origin = np.array([0.0, (now["sunk_m"] - before["sunk_m"]) / seconds])
-    place, velocity, index = mean_velocity(*over, seconds, before["identity"], now["identity"])
+    place, velocity, index = mean_velocity(then, here, seconds, before["identity"], now["identity"])
     velocity = velocity - origin  # in the laboratory
     volume, breadth = before["volume"][index], silo.width_m
     if silo.section == "round":  # volumes are per metre of a point's own girth, the outflow per metre of the wall's

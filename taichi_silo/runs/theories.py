@@ -1,6 +1,7 @@
 """Janssen, Walker, EN 1991-4 and Beverloo for the silo of a scene, with its own numbers."""
 
 import math
+from typing import Any
 
 from taichi_silo.analysis.theory import beverloo
 from taichi_silo.analysis.theory.eurocode import EurocodeSilo
@@ -42,10 +43,11 @@ def hopper_of(
     scene: Scene, angle_deg: float, pressure_ratio: float, transition_stress_Pa: float, state: str
 ) -> WalkerHopper:
     """Walker's theory of the hopper below the vertical walls; `state` is "filling" or "discharge"."""
-    silo = scene.silo
-    own = silo.hopper.friction_angle_deg
+    silo, hopper = scene.silo, scene.silo.hopper
+    assert hopper is not None, "the silo has no hopper"
+    own = hopper.friction_angle_deg
     return WalkerHopper(
-        silo.width_m, silo.hopper.outlet_width_m, silo.hopper.half_angle_deg,
+        silo.width_m, hopper.outlet_width_m, hopper.half_angle_deg,
         scene.density_kg_per_m3 * scene.method.gravity_m_per_s2, angle_deg if own is None else own,
         transition_stress_Pa, state=state, section=silo.section,
         internal_friction_angle_deg=scene.sand.critical_friction_angle_deg, pressure_ratio=pressure_ratio,
@@ -65,7 +67,7 @@ def theory_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> dict:
     silo, g = scene.silo, scene.method.gravity_m_per_s2
     left, right = silo.outlet_m
     eccentricity = abs(0.5 * (left + right) - 0.5 * silo.width_m)
-    found = {"outlet_eccentricity_m": eccentricity}
+    found: dict[str, Any] = {"outlet_eccentricity_m": eccentricity}
     code = eurocode_of(silo, scene.walls.kind == "very-rough", eccentricity)
     deepest = code.height_m
     found["eurocode"] = {"slenderness": code.slenderness, "limits": code.limits()}

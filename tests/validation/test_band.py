@@ -72,14 +72,15 @@ def test_stations_without_any_strain_say_nothing_and_a_spot_is_no_band():
     assert not band.found or len(band.middles) < len(band.stations)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("void_ratio", "pressure", "angle", "percent", "band"),
     [
-        pytest.param(0.55, 50e3, 57.6, 1.13, 70.0, marks=pytest.mark.long),
-        pytest.param(0.55, 200e3, 50.7, 1.96, 66.8, marks=pytest.mark.long),
-        pytest.param(0.55, 500e3, 46.1, 2.86, 64.5, marks=pytest.mark.long),
+        (0.55, 50e3, 57.6, 1.13, 70.0),
+        (0.55, 200e3, 50.7, 1.96, 66.8),
+        (0.55, 500e3, 46.1, 2.86, 64.5),
         (0.75, 50e3, 34.5, 1.04, 58.5),
-        pytest.param(0.90, 50e3, 28.2, 1.06, 54.8, marks=pytest.mark.long),
+        (0.90, 50e3, 28.2, 1.06, 54.8),
     ],
 )
 def test_first_bifurcation(void_ratio, pressure, angle, percent, band):

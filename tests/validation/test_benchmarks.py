@@ -3,6 +3,7 @@
 from contextlib import nullcontext
 
 import pandas as pd
+import pytest
 
 from benchmarks import bench
 from benchmarks.figure import draw
@@ -15,6 +16,7 @@ from taichi_silo.simulation.simulation import Simulation
 LANES = True  # see conftest.py
 
 
+@pytest.mark.long
 def test_every_phase_runs():
     simulation = Simulation(Scene(grid=Mesh(cell_size_m=0.02)))
     phases = Phases(simulation.solver).all()
@@ -57,6 +59,7 @@ def test_only_what_lost_more_than_a_tenth_beside_the_yardstick_is_named():
     ]
 
 
+@pytest.mark.long
 def test_the_figure_is_drawn_with_and_without_a_yardstick(tmp_path):
     roof = {"arithmetic": 2e10, "cache": 1e11, "memory": 1e10}
     draw(table(1.0, 1.0), roof, tmp_path / "with.png")

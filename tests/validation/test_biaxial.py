@@ -46,6 +46,7 @@ def test_a_band_grows_from_the_weak_element_at_the_right_load_angle_and_softenin
     assert 5e-3 < band["thickness_m"]["median"] < 18e-3
 
 
+@pytest.mark.long
 def test_the_plates_force_is_the_mean_stress_of_the_sand_and_the_fluid_keeps_the_sides_at_its_pressure():
     test = Biaxial(SCENE.model_copy(update={"shortening": 0.006}))
     *_, last = test.run()

@@ -319,6 +319,7 @@ def test_without_any_run_all_is_said_and_written(tmp_path):
         check.write(table, tmp_path / "file")
 
 
+@pytest.mark.long
 def test_the_real_statements_on_all_cases(tmp_path):
     """Every test of the file runs on a folder that has what it needs."""
     for name, case in CASES.items():
@@ -357,6 +358,7 @@ def test_another_silo_is_none_of_the_papers(path, value):
     assert [one[0] for one in found.differences] == [path]
 
 
+@pytest.mark.long
 def test_relations_need_the_other_run_too(tmp_path, capsys):
     names = ("dense_smooth_bottom", "dense_very-rough_bottom")
     runs = [write_run(tmp_path, name).result for name in names]

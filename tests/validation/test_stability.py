@@ -25,7 +25,7 @@ class TestCellCrossing:
         error, _ = crossing.column_stress_error(SHAPES["linear"](0.25))
         assert 0.2 < error < 0.5
 
-    @pytest.mark.parametrize("name", ["ugimp", "cpgimp", "cpdi"])
+    @pytest.mark.parametrize("name", ["ugimp", *(pytest.param(n, marks=pytest.mark.long) for n in ("cpgimp", "cpdi"))])
     def test_gimp_and_its_kin_stay_below_two_per_cent(self, name):
         error, cells = crossing.column_stress_error(SHAPES[name](0.25))
         assert cells > 1.8
@@ -131,9 +131,11 @@ class TestWalls:
         assert found["residual"] < 1e-12
         assert found["peak"] < 1.5
 
+    @pytest.mark.long
     def test_no_point_is_pushed_through_a_wall(self):
         assert walls.pushed("ugimp")["through"] < 0.5
 
+    @pytest.mark.long
     def test_a_slot_of_two_cells_still_carries_janssens_force(self):
         assert walls.slot(2)["normal"] < 0.05
 
@@ -162,10 +164,9 @@ def test_f32_hardly_moves_what_sinks_slowly_and_f64_does():
 
 
 class TestOrder:
-    def test_small_motions_converge_with_second_order_whatever_the_shape(self):
-        for name in ("linear", "ugimp"):
-            errors = {n: order.bar(SHAPES[name](0.25), n, 1e-4) for n in (8, 16)}
-            assert order.slope(errors) > 1.8
+    @pytest.mark.parametrize("name", ["ugimp", pytest.param("linear", marks=pytest.mark.long)])
+    def test_small_motions_converge_with_second_order_whatever_the_shape(self, name):
+        assert order.slope({n: order.bar(SHAPES[name](0.25), n, 1e-4) for n in (8, 16)}) > 1.8
 
     @pytest.mark.long
     def test_large_motions_need_domains_that_move_with_the_sand(self):

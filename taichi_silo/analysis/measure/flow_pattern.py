@@ -24,7 +24,7 @@ speed that changes with time (free outflow) must be that of the same interval.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from taichi_silo.analysis.measure.raster import Raster, clean, first_fall
@@ -61,11 +61,11 @@ class FlowPattern:
 
 
 def mean_velocity(
-    before: ArrayLike,
-    after: ArrayLike,
+    before: NDArray,
+    after: NDArray,
     interval_s: float,
-    identity_before: ArrayLike | None = None,
-    identity_after: ArrayLike | None = None,
+    identity_before: NDArray | None = None,
+    identity_after: NDArray | None = None,
 ) -> tuple[NDArray, NDArray, NDArray]:
     """Mean velocity between two snapshots of the points that are in both.
 
@@ -101,9 +101,9 @@ def mean_velocity(
 
 
 def flow_pattern(
-    position: ArrayLike,
-    velocity: ArrayLike,
-    volume: ArrayLike,
+    position: NDArray,
+    velocity: NDArray,
+    volume: NDArray,
     width_m: float,
     fill_height_m: float,
     reference_speed_m_per_s: float,

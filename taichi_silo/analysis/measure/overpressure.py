@@ -12,7 +12,7 @@ the greatest stress anywhere may lie elsewhere.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, cell_mean
 
@@ -46,11 +46,11 @@ class Overpressure:
 
 
 def largest_overpressure(
-    time_s: ArrayLike,
-    height_m: ArrayLike,
-    normal_stress_Pa: ArrayLike,
-    filling_stress_Pa: ArrayLike,
-    displacement_m: ArrayLike | None = None,
+    time_s: NDArray,
+    height_m: NDArray,
+    normal_stress_Pa: NDArray,
+    filling_stress_Pa: NDArray,
+    displacement_m: NDArray | None = None,
     cell_m: float = CELL_M,
     corner_m: float = CORNER_M,
     least_share: float = LEAST_SHARE,

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 from scipy.spatial import cKDTree
 
@@ -12,16 +12,16 @@ BELL = 0.45  # standard deviation of the weights in spacings: the least that lea
 NEAR = 1.5  # spacings to the nearest point, up to which a place is within the body
 
 
-def clean(position: ArrayLike, *values: ArrayLike) -> tuple[NDArray, ...]:
+def clean(position: NDArray, *values: NDArray) -> tuple[NDArray, ...]:
     """Return the points (n, 2) and values (n, ...) where all are finite; `ValueError` if lengths differ."""
     position = np.asarray(position, float)[:, :2]
-    values = [np.asarray(value, float) for value in values]
+    arrays = [np.asarray(value, float) for value in values]
     finite = np.isfinite(position).all(axis=1)
-    for value in values:
+    for value in arrays:
         if len(value) != len(position):
             raise ValueError(f"{len(position)} positions, but {len(value)} values")
         finite &= np.isfinite(value).all(axis=tuple(range(1, value.ndim)))
-    return position[finite], *(value[finite] for value in values)
+    return position[finite], *(value[finite] for value in arrays)
 
 
 def point_spacing_m(position: NDArray) -> float:
@@ -33,7 +33,7 @@ def point_spacing_m(position: NDArray) -> float:
     return float(np.median(distance[:, 1:].mean(axis=1)))
 
 
-def sample(position: NDArray, value: ArrayLike, places: NDArray, spacing_m: float) -> NDArray:
+def sample(position: NDArray, value: NDArray, places: NDArray, spacing_m: float) -> NDArray:
     """Values at places (..., 2): means of the nearest points with the weight exp(-r^2 / (2 (0.45 spacing)^2)).
 
     A line narrower than a spacing is thus widened to a little more than one; far from all points the value is that of
@@ -43,7 +43,7 @@ def sample(position: NDArray, value: ArrayLike, places: NDArray, spacing_m: floa
     return np.sum(_weights(distance, spacing_m) * np.asarray(value, float)[neighbour], axis=-1)
 
 
-def inverse_distance_mean(position: NDArray, value: ArrayLike, places: NDArray, neighbours: int) -> NDArray:
+def inverse_distance_mean(position: NDArray, value: NDArray, places: NDArray, neighbours: int) -> NDArray:
     """Values at places (..., 2): means of so many nearest points, weighted by 1 / distance^2."""
     distance, neighbour = cKDTree(position).query(places, k=neighbours)
     weight = 1.0 / (distance**2 + 1e-6 * np.median(distance) ** 2)  # finite on a point
@@ -114,7 +114,7 @@ class Raster:
         distance, neighbour = cKDTree(position).query(places, k=min(NEIGHBOURS, len(position)))
         return cls(x, y, cell, distance[..., 0] < NEAR * spacing_m, _weights(distance, spacing_m), neighbour)
 
-    def of(self, value: ArrayLike) -> NDArray:
+    def of(self, value: NDArray) -> NDArray:
         """Field (rows, columns) of values (n,)."""
         return np.sum(self.weight * np.asarray(value, float)[self.neighbour], axis=-1)
 

@@ -17,7 +17,7 @@ with it, and streamlines that pass within a spacing of the outlet's edge may mis
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from taichi_silo.analysis.measure.raster import Raster, clean
 
@@ -51,9 +51,9 @@ class Residence:
 
 
 def residence(
-    position: ArrayLike,
-    velocity: ArrayLike,
-    volume: ArrayLike,
+    position: NDArray,
+    velocity: NDArray,
+    volume: NDArray,
     width_m: float,
     outflow_m2_per_s: float,
     outlet_m: tuple[float, float] | None = None,

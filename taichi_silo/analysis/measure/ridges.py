@@ -8,7 +8,7 @@ cell (Guo and Hall 1989), and stubs are cut off.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, convolve, gaussian_filter, label
 
 AROUND = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))  # clockwise from above
@@ -59,7 +59,7 @@ def crest(field: NDArray, sigma: float) -> tuple[NDArray, NDArray, NDArray]:
     return smooth, on, curvature
 
 
-def thin(mask: ArrayLike) -> NDArray:
+def thin(mask: NDArray) -> NDArray:
     """Thin a mask (rows, columns) to lines of one cell."""
     mask = np.pad(np.asarray(mask, bool), 1)
     while True:
@@ -96,8 +96,9 @@ def ridges(
         cut = []
         for k, (arm, ends) in enumerate(zip(found.arms, found.ends, strict=True)):
             tips = [arm[0]] * ends[0] + [arm[-1]] * ends[1]
-            slender = width is None or (keep is not None and sum(ends) == 1 and keep[tuple(tips[0])])
-            least = shortest if slender else max(shortest, np.median(width[tuple(arm.T)]))
+            least = shortest
+            if width is not None and not (keep is not None and sum(ends) == 1 and keep[tuple(tips[0])]):
+                least = max(shortest, np.median(width[tuple(arm.T)]))
             if tips and len(arm) < least + close * sum(ends):  # thickening has made free ends longer
                 cut.append((len(arm), k))
         if not cut:
@@ -131,9 +132,9 @@ def _graph(lines: NDArray, shortest: int) -> Ridges:
         arm = _ordered(np.argwhere(pieces == piece))
         arms.append(arm)
         component.append(int(whole[tuple(arm[0])]) - 1)
-        free = [not knots[max(r - 1, 0) : r + 2, max(c - 1, 0) : c + 2].any() for r, c in (arm[0], arm[-1])]
+        first, last = (not knots[max(r - 1, 0) : r + 2, max(c - 1, 0) : c + 2].any() for r, c in (arm[0], arm[-1]))
         # a stub of a cell or two touches its junction with both ends
-        ends.append((False, True) if len(arm) < shortest and not any(free) else tuple(free))
+        ends.append((False, True) if len(arm) < shortest and not (first or last) else (first, last))
     junctions = [np.argwhere(knots == k).mean(axis=0) for k in range(1, knot_count + 1)]
     return Ridges(arms, component, count, np.array(junctions).reshape(-1, 2), ends)
 

@@ -12,7 +12,7 @@ the free surface and at the bottom, which the default `heights` leave out.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from taichi_silo.analysis.measure.raster import clean, first_fall, inverse_distance_mean
@@ -50,9 +50,9 @@ class InteriorZones:
 
 
 def wall_zone_thickness_m(
-    position: ArrayLike,
-    void_ratio: ArrayLike,
-    void_ratio_reference: ArrayLike,
+    position: NDArray,
+    void_ratio: NDArray,
+    void_ratio_reference: NDArray,
     width_m: float,
     side: str = "left",
     heights: tuple[float, float] = (0.1, 0.8),
@@ -108,8 +108,8 @@ def wall_zone_thickness_m(
 
 
 def interior_zone_count(
-    position: ArrayLike,
-    void_ratio: ArrayLike,
+    position: NDArray,
+    void_ratio: NDArray,
     width_m: float,
     heights: tuple[float, float] = (0.05, 0.85),
     threshold: float = 0.5,

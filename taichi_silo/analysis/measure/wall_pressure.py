@@ -1,7 +1,7 @@
 """Wall stress as a pressure cell reads it, and where along a wall stresses mean something."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 CELL_M = 0.02  # height of a pressure cell [m]: a usual size in model silos
 HOPPER_CELL_M = 0.05  # on inclined walls [m], where single rows of the grid mean little
@@ -14,7 +14,7 @@ def clear_of_corner(height_m: NDArray, cell_m: float = CELL_M) -> NDArray:
     return height_m > np.min(height_m, initial=np.inf) + CORNER_M + 0.5 * cell_m
 
 
-def cell_mean(height_m: ArrayLike, stress_Pa: ArrayLike, cell_m: float = CELL_M) -> NDArray:
+def cell_mean(height_m: NDArray, stress_Pa: NDArray, cell_m: float = CELL_M) -> NDArray:
     """Mean of the nodal stress (piecewise linear) over a pressure cell centred at each node.
 
     Near an end the cell is cut off there. A stress that alternates from node to node averages out.

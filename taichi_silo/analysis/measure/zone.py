@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from taichi_silo.analysis.measure.raster import sample, within
@@ -24,7 +24,7 @@ class Spread:
     upper: float
 
     @classmethod
-    def of(cls, values: ArrayLike) -> "Spread":
+    def of(cls, values: NDArray) -> "Spread":
         """Median and quartiles of the finite values; nan if there is none."""
         values = np.asarray(values, float)
         values = values[np.isfinite(values)]
@@ -114,7 +114,7 @@ def measured_zone(
     places = line[:, None, :] + offset[None, :, None] * across[:, None, :]
     inside = within(body.points, places, body.spacing) & (places[..., 0] >= 0.0) & (places[..., 0] <= body.width)
     profile = np.where(inside, sample(body.points, body.excess, places, body.spacing), -np.inf)
-    middle, thick, peak, parts = [], [], [], []
+    middles, widths, peaks, parts = [], [], [], []
     near = np.flatnonzero(np.abs(offset) <= 1.5 * body.spacing)
     for values in profile:
         top = int(near[np.argmax(values[near])])
@@ -123,12 +123,11 @@ def measured_zone(
         part = np.abs(offset - offset[top]) <= (min(known) if known else body.spacing)
         part &= np.isfinite(values)
         weight = np.maximum(values[part] - 0.5 * values[top], 0.0)
-        middle.append(np.average(offset[part], weights=weight) if weight.sum() > 0.0 else offset[top])
-        thick.append(2.0 * np.mean(known) if known else np.nan)
-        peak.append(values[top])
+        middles.append(np.average(offset[part], weights=weight) if weight.sum() > 0.0 else offset[top])
+        widths.append(2.0 * np.mean(known) if known else np.nan)
+        peaks.append(values[top])
         parts.append(part)
-    middle = line + np.array(middle)[:, None] * across
-    thick, peak = np.array(thick), np.array(peak)
+    middle, thick, peak = line + np.array(middles)[:, None] * across, np.array(widths), np.array(peaks)
     # near a junction a section runs into the other arms
     typical = np.nanmedian(thick) if np.isfinite(thick).any() else body.spacing
     gap = np.full(len(line), np.inf)
@@ -142,7 +141,7 @@ def measured_zone(
     middle, thickness = middle[clear], Spread.of(thick[clear])
     direction = chord(middle)[1]
     angle = inclinations_deg(middle, direction)
-    angle = Spread.of(angle - 180.0 * np.ceil((np.median(angle) - 90.0) / 180.0))
+    inclination = Spread.of(angle - 180.0 * np.ceil((np.median(angle) - 90.0) / 180.0))
     change, kind = np.nan, "unknown"
     if body.change is not None:
         values = sample(body.points, body.change, places, body.spacing)[clear]
@@ -156,7 +155,7 @@ def measured_zone(
         thickness_over_d50=thickness.median / d50_m,
         thickness_over_internal_length=thickness.median / internal_length_m,
         strain=Spread.of(peak[clear]),
-        inclination_deg=angle,
+        inclination_deg=inclination,
         curvature_1_per_m=circle_curvature(middle),
         apex_curvature_1_per_m=parabola_curvature(middle),
         void_ratio_change=change,

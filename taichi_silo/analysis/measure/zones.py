@@ -23,7 +23,7 @@ Known limits:
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from taichi_silo.analysis.measure.raster import Raster, clean, point_spacing_m
 from taichi_silo.analysis.measure.ridges import crest, ridges
@@ -61,10 +61,10 @@ class Zones:
 
 
 def shear_zones(
-    position: ArrayLike,
-    shear_strain: ArrayLike,
+    position: NDArray,
+    shear_strain: NDArray,
     width_m: float,
-    void_ratio_change: ArrayLike | None = None,
+    void_ratio_change: NDArray | None = None,
     spacing_m: float | None = None,
     d50_m: float = np.nan,
     internal_length_m: float = np.nan,
@@ -143,8 +143,8 @@ def shear_zones(
 def _on_walls(zones: list[Zone], body: Body) -> NDArray:
     """Places (k, 2) on the walls where two zones meet [m]."""
     found = []
-    for place, heights in ((0.0, [z.wall_left_m for z in zones]), (body.width, [z.wall_right_m for z in zones])):
-        heights = np.sort([height for height in heights if np.isfinite(height)])
+    for place, met in ((0.0, [z.wall_left_m for z in zones]), (body.width, [z.wall_right_m for z in zones])):
+        heights = np.sort([height for height in met if np.isfinite(height)])
         for low, high in zip(heights[:-1], heights[1:], strict=True):
             if high - low <= MEETING * body.spacing:
                 found.append((place, 0.5 * (low + high)))

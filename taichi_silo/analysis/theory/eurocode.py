@@ -132,7 +132,7 @@ class EurocodeSilo:
         """Depth z, z0, h0, n and w = (z - h0) / (z0 - h0) + 1 (1 above h0) of the formulas of 5.3."""
         z = np.asarray(depth_m, dtype=float)
         if np.any(~((z >= 0.0) & (z <= self.height_m * (1.0 + 1e-9)))):
-            raise ValueError(f"depth_m must be in [0, {self.height_m}], got {depth_m}")
+            raise ValueError(f"depth_m must be in [0, {self.height_m}], got {depth_m!r}")
         if self.slenderness == "retaining":
             raise ValueError(f"h_c/d_c must be above 0.4, got {self.height_m / self.width_m:.4g}: a retaining silo")
         z0, h0 = self.depth_scale_m(load), self.surface_depth_m

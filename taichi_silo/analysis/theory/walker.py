@@ -132,7 +132,7 @@ class WalkerHopper:
     @property
     def wall_friction(self) -> float:
         """Mobilised wall friction mu [-]: tan(phi_w), or (1 - K) / (2 tan(beta)) in a shallow hopper."""
-        if self.is_steep:
+        if self.is_steep or self.pressure_ratio is None:
             return float(np.tan(np.radians(self.wall_friction_angle_deg)))
         return float((1.0 - self.pressure_ratio) / (2.0 * np.tan(np.radians(self.half_angle_deg))))
 
@@ -141,7 +141,7 @@ class WalkerHopper:
         """F = p_n / sigma_v [-]."""
         if not isinstance(self.state, str):
             return float(self.state)
-        if self.state == "filling" or not self.is_steep:
+        if self.state == "filling" or not self.is_steep or self.internal_friction_angle_deg is None:
             return float(filling_factor(self.half_angle_deg, self.wall_friction))
         return discharge_factor(self.half_angle_deg, self.wall_friction, self.internal_friction_angle_deg)
 
@@ -167,7 +167,7 @@ class WalkerHopper:
         slack = 1e-9 * top
         if np.any(~((x >= self.outlet_height_m - slack) & (x <= top + slack))):
             raise ValueError(
-                f"height_m above the apex must be in [{self.outlet_height_m:.6g}, {top:.6g}], got {height_m}"
+                f"height_m above the apex must be in [{self.outlet_height_m:.6g}, {top:.6g}], got {height_m!r}"
             )
         y = x / top
         power = (self.exponent - 1.0) * np.log(y)
