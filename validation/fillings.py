@@ -7,6 +7,7 @@ figure set P, T, N after filling beside Janssen and the law's own pressure at re
 Cost: three runs of each wall, some 20 core-seconds each.
 """
 
+import sys
 from pathlib import Path
 from typing import Annotated, get_args
 
@@ -17,7 +18,9 @@ from taichi_silo.cli import command_line, model_silo
 from taichi_silo.scene.scene import Filling, Flow, Machine, Mesh, Sand, Scene, Silo
 from taichi_silo.studies.run_all import run_all
 from taichi_silo.studies.sweep.runs import Run
-from validation.case_figures import plot_cases
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # as a plain script, too
+from validation.case_figures import plot_cases  # noqa: E402
 
 WAYS = get_args(Filling.model_fields["kind"].annotation)
 NAMES = ("bottom_N_per_m", "shear_N_per_m", "normal_N_per_m")

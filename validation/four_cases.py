@@ -6,6 +6,7 @@ process of its own, as many at a time as there are cores; cases already there ar
 Cost: about twelve minutes on two cores.
 """
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -16,7 +17,9 @@ from taichi_silo.cli import command_line, flags, model_silo
 from taichi_silo.scene import sands
 from taichi_silo.studies.run_all import run_all
 from taichi_silo.studies.sweep.runs import Run
-from validation.case_figures import plot_cases
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # as a plain script, too
+from validation.case_figures import plot_cases  # noqa: E402
 
 LAW = "gudehus-bauer"  # the paper's
 
