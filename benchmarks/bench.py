@@ -6,7 +6,6 @@ On a machine with a GPU, `--arch cuda` measures that instead.
 """
 
 import argparse
-import json
 import statistics
 import subprocess
 import sys
@@ -22,9 +21,9 @@ from benchmarks.guard import cost as cost_of_guard
 from benchmarks.roofline import ceilings
 from benchmarks.yardstick import Yardstick
 from taichi_silo import Flow, Mesh, Scene, Silo, Simulation, Walls
+from taichi_silo.api import run
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.runs.session import run
 from taichi_silo.scene.scene import Averaging, cores
 
 ROUNDS = 3
@@ -119,7 +118,7 @@ def whole_run(film: bool, yardstick: Yardstick | None) -> dict:
     """`mass_flow` with all that belongs to it (observers, output, film): wall time over points and steps."""
     what = scene(4000, 1, 1).model_copy(update={"flow": Flow(speed_m_per_s=0.005, displacement_m=0.01)})
     with tempfile.TemporaryDirectory() as folder:
-        summary = json.loads((run(what, Path(folder) / "run", film=film) / "summary.json").read_text())["cost"]
+        summary = run(what, Path(folder) / "run", film=film, progress=False).summary["cost"]
     theirs = yardstick.rate(1, what.points) if yardstick else None
     phase = "whole run with film" if film else "whole run"
     return row((what.points, 1, 1), phase, summary["wall_seconds"] / summary["steps"], theirs)

@@ -22,11 +22,11 @@ import numpy as np
 import pandas as pd
 from typer import Option
 
+from taichi_silo.api import run
 from taichi_silo.cli import command_line
 from taichi_silo.errors import BadInput, Stopped
 from taichi_silo.mpm import runtime
 from taichi_silo.runs.observers import Observer
-from taichi_silo.runs.session import run
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls
 from taichi_silo.scene.silo import Outlet, Silo
 from taichi_silo.simulation.simulation import Simulation
@@ -85,7 +85,7 @@ def resident_MiB() -> float:
 def stopped(scene: Scene, folder: Path, *extra: Observer, film: bool = True) -> dict:
     """Run until an observer stops it; what the summary says."""
     with contextlib.suppress(Stopped):
-        run(scene, folder, overwrite=True, film=film, extra=extra)
+        run(scene, folder, overwrite=True, film=film, progress=False, extra=extra)
     return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
 
 

@@ -21,9 +21,9 @@ from typer import Option
 from taichi_silo.cli import command_line, model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import integrate
+from taichi_silo.runs.observers.film_recorder import FilmRecorder
 from taichi_silo.scene import scene
 from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
-from taichi_silo.show.film.movie import Movie
 from taichi_silo.simulation.simulation import STEP_SAFETY, Simulation
 
 ROUNDS = 7
@@ -88,13 +88,13 @@ class MeasuredRun:
     Attributes
     ----------
     forces : means of P, T, N over the last fifth of the displacement [N/m].
-    film_s, records_s : seconds that the film and the records took.
+    film_s, records_s : seconds that the states of the film and the records took.
 
     """
 
     def __init__(self, what: Scene, film: Path | None = None):
         self.simulation = Simulation(what)
-        watched = [Movie(film)] if film else []
+        watched = [FilmRecorder(film)] if film else []
         for observer in watched:
             observer.begin(self.simulation)
         begun, filming, rows = time.perf_counter(), 0.0, []
@@ -142,9 +142,9 @@ def measure(walls: str, cell_m: float, displacement_m: float) -> list[dict]:
     runtime.init()
     base = standard(walls, cell_m, displacement_m)
     with tempfile.TemporaryDirectory() as folder:
-        usual = MeasuredRun(base, Path(folder) / "film.mp4")
+        usual = MeasuredRun(base, Path(folder) / "film_states.bin")
     stepping = usual.simulation.stepping_seconds
-    film = f"put in: {usual.film_s:.0f} s whatever the run, here of {stepping:.0f} s"
+    film = f"states put in: {usual.film_s:.1f} s whatever the run, here of {stepping:.0f} s"
     rows = [
         row(walls, "film", film, usual.film_s / stepping),
         row(walls, "records", "put in, 10 a period", usual.records_s / stepping),

@@ -6,14 +6,16 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from taichi_silo.errors import BadInput
-from taichi_silo.runs import session
+from taichi_silo.runs import film_states, session
 from taichi_silo.runs.observers import Observer
+from taichi_silo.runs.observers.film_recorder import FilmEnds, FilmRecorder
 from taichi_silo.runs.observers.progress import ProgressLine
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import free_name
 from taichi_silo.scene.sands import sand as named_sand
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene, scene_of
+from taichi_silo.show.run_end import draw_figures, draw_film
 from taichi_silo.utils.bounded_reading import place
 from taichi_silo.utils.messages import shown
 from taichi_silo.utils.schema import one_sentence
@@ -38,10 +40,15 @@ def checked(scene: Scene | dict) -> Scene:
         raise BadInput(one_sentence(error)) from error
 
 
-def _observing(extra: tuple) -> None:
+DRAWING = (draw_film, draw_figures)  # at the end of a run
+
+
+def _observers(film: Observer, extra: tuple, progress: bool) -> tuple[Observer, ...]:
+    """The observers beside those of every run: of the film, those that were given, the progress line."""
     for one in extra:
         if not isinstance(one, Observer):
             raise BadInput(f"extra is {shown(one)}; it must be observers, see taichi_silo.runs.observers.Observer")
+    return (film, *extra, *((ProgressLine(),) if progress else ()))
 
 
 def run(
@@ -80,9 +87,9 @@ def run(
     """
     scene = checked(scene)
     where = place(folder, "folder") if folder is not None else free_name(Path("outputs") / "run")
-    lines = (ProgressLine(),) if progress else ()
-    _observing(extra)
-    return Result(session.run(scene, where, overwrite=overwrite, film=film, extra=(*extra, *lines)))
+    states = where / film_states.NAME
+    observers = _observers(FilmRecorder(states) if film else FilmEnds(states), extra, progress)
+    return Result(session.run(scene, where, overwrite=overwrite, extra=observers, drawing=DRAWING))
 
 
 def resume(
@@ -115,6 +122,8 @@ def resume(
         as `run`.
 
     """
-    lines = (ProgressLine(),) if progress else ()
-    _observing(extra)
-    return Result(session.resume(place(folder, "folder"), threads=threads, film=film, extra=(*extra, *lines)))
+    where = place(folder, "folder")
+    states = where / film_states.NAME
+    recorder = FilmEnds(states) if film is False else FilmRecorder(states, wanted=film is True)
+    observers = _observers(recorder, extra, progress)
+    return Result(session.resume(where, threads=threads, extra=observers, drawing=DRAWING))

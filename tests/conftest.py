@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from taichi_silo import api
 from taichi_silo.mpm import executors, runtime, solver
-from taichi_silo.runs import session
 from tests import taichi_frontend  # noqa: F401 - it makes Taichi's front end faster
 
 HERE = Path(__file__).parent
@@ -87,7 +87,7 @@ def loops(request):
 def bare():
     """Runs draw no figures, which take longer than small runs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(session._Session, "_draw", lambda self: None)
+        patch.setattr(api, "DRAWING", ())
         yield
 
 
@@ -136,7 +136,7 @@ def small_run():
     """A function that leaves the folder of a real run of seconds: 40 points, a film of two seconds if it is wanted."""
     from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, run
     from taichi_silo.cli import model_silo
-    from taichi_silo.show.film import movie
+    from taichi_silo.runs.observers import film_recorder
 
     def leave(folder, film=False, walls="smooth", silo=None, **parts):
         scene = {
@@ -145,8 +145,8 @@ def small_run():
             "machine": Machine(threads=1, lanes=False),
         }  # fmt: skip
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(movie, "FILLING_FRAMES", 10)
-            patch.setattr(movie, "FLOW_FRAMES", 50)
+            patch.setitem(film_recorder.FRAMES, "filling", 10)
+            patch.setitem(film_recorder.FRAMES, "flow", 50)
             return run(Scene(**scene | parts), folder, film=film, progress=False).folder
 
     return leave

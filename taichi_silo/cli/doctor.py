@@ -20,7 +20,7 @@ from taichi_silo.mpm.simd import selftest
 from taichi_silo.runs.run_folder import writable
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls, cores
 from taichi_silo.scene.silo import Silo
-from taichi_silo.show.film.film import Encoder
+from taichi_silo.show.film.encoder import encode
 from taichi_silo.simulation.simulation import Simulation
 
 LEAST_FREE = 1e9  # bytes, for a few runs
@@ -80,10 +80,7 @@ def _graphics_card() -> Finding:
 def _film() -> Finding:
     with tempfile.TemporaryDirectory() as place:
         try:
-            encoder = Encoder(Path(place) / "film.mp4", 30, (1920, 1080))
-            for _ in range(5):
-                encoder.write(np.zeros((1080, 1920, 3), np.uint8))
-            encoder.close()
+            encode(Path(place) / "film.mp4", 5 * [np.zeros((1080, 1920, 3), np.uint8)])
         except (OSError, RuntimeError, subprocess.SubprocessError) as error:
             return Finding("ffmpeg", False, f"cannot make a film: {error}")
         size = (Path(place) / "film.mp4").stat().st_size

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from taichi_silo import api
 from taichi_silo.cli import command_line, flags, model_silo
 from taichi_silo.cli.output_flags import ExplainFlag, FilmFlag, JsonFlag, OutputFlag, OverwriteFlag, QuietFlag
 from taichi_silo.scene.dotted_paths import tables_with
@@ -69,14 +70,15 @@ def silo_scenario(
         if explain:
             command_line.explain(wanted)
             return None
-        from taichi_silo.runs import run_folder, session  # not needed to show the flags
+        from taichi_silo.runs import run_folder  # not needed to show the flags
         from taichi_silo.runs.observers.progress import ProgressLine
 
         usual = Path("outputs") / f"{name(wanted)}_e{wanted.sand.void_ratio:.2f}_{wanted.walls.kind}"
         folder = output.expanduser() if output else run_folder.free_name(usual)
         console.say(f"The run goes to {folder}.")
         lines = ProgressLine(console.terminal)
-        command_line.tell(session.run(wanted, folder, overwrite=overwrite, film=film, extra=(lines,)), console)
+        left = api.run(wanted, folder, overwrite=overwrite, film=film, progress=False, extra=(lines,))
+        command_line.tell(left.folder, console)
         return folder
 
     sand, *others = [one for one in inspect.signature(scenario).parameters.values() if one.name != "values"]

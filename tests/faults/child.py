@@ -12,17 +12,18 @@ import threading
 import time
 from pathlib import Path
 
-from taichi_silo import Scene
+from taichi_silo import Scene, api
 from taichi_silo.cli.command_line import command
-from taichi_silo.runs import session
-from taichi_silo.runs.observers import checkpoint, forces
-from taichi_silo.show.film import movie
+from taichi_silo.runs.observers import checkpoint, film_recorder
+from taichi_silo.show.run_end import draw_film
+from taichi_silo.utils.appended_file import AppendedFile
 
 given = json.loads(sys.argv.pop(1))
 folder = Path(given["folder"])
 what, count, delay = given.get("dies", ["", 0, 0.0])
-movie.FILLING_FRAMES, movie.FLOW_FRAMES = 10, 30
-written, write = 0, forces.Table._write
+film_recorder.FRAMES.update(filling=10, flow=30)
+APPENDED = ("forces.csv", "balance.csv", "film_states.bin")
+written, append = 0, AppendedFile.append
 
 
 def die() -> None:
@@ -45,27 +46,27 @@ def hook(event: str, words: tuple) -> None:
         threading.Thread(target=die).start() if delay else die()
 
 
-def torn(self, cells) -> None:
+def torn(self, piece: bytes) -> None:
     if counted(str(self.file)):
-        self.stream.write(b"0.0123,filling,0.0")
+        append(self, piece[: len(piece) // 2])
         die()
-    write(self, cells)
+    append(self, piece)
 
 
 def go() -> None:
     if checkpoint.is_there(folder):
-        session.resume(folder)
+        api.resume(folder, progress=False)
     else:
         scene = Scene.model_validate(given["scene"])
-        session.run(scene, folder, overwrite=True, film=given.get("film", False))
+        api.run(scene, folder, overwrite=True, film=given.get("film", False), progress=False)
 
 
 if not given.get("figures", False):
-    session._Session._draw = lambda self: None
+    api.DRAWING = (draw_film,)
 if what == "time":
     threading.Thread(target=die, daemon=True).start()
-elif what.endswith(".csv") and count > 1:
-    forces.Table._write = torn
+elif what in APPENDED and count > 1:
+    AppendedFile.append = torn
 elif what:
     sys.addaudithook(hook)
 command(go)

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 import taichi as ti
 
+from taichi_silo import api
 from taichi_silo.mpm import runtime
 from taichi_silo.runs import session
 from taichi_silo.runs.session import run
@@ -35,16 +36,14 @@ def quick():
         runtime.init()
         patch.setattr(Machine, "start", lambda self: None)
         patch.setattr(session, "Simulation", simulation)
-        patch.setattr(session._Session, "_draw", lambda self: None)
+        patch.setattr(api, "DRAWING", ())
         yield simulation
 
 
 @pytest.fixture(scope="session")
 def whole(tmp_path_factory):
     """The folder of a run that nothing befell, without film and figures; not to be changed."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(session._Session, "_draw", lambda self: None)
-        return run(SMALLEST, tmp_path_factory.mktemp("runs") / "whole", film=False)
+    return run(SMALLEST, tmp_path_factory.mktemp("runs") / "whole")
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ from taichi_silo.utils import checked_npz
 from tests.smallest import SMALLEST
 
 ROOT = Path(__file__).parents[2]
-OWN = ("run.toml", "run.log", "summary.json", "checkpoint.npz", "checkpoint.previous.npz", "void_ratio.mp4")
+OWN = ("run.toml", "run.log", "summary.json", "checkpoint.npz", "checkpoint.previous.npz")
 
 # --- what befalls it --------------------------------------------------------------------------------------------------
 

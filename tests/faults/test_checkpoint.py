@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pytest
 
+from taichi_silo import api
 from taichi_silo.cli import app
 from taichi_silo.errors import BadInput, Stopped
 from taichi_silo.runs.observers import checkpoint
@@ -27,7 +28,7 @@ def stopped(quick, tmp_path_factory):
     """The folder of a run that was stopped in flow; it has two checkpoints, after filling and of the stop."""
     folder = tmp_path_factory.mktemp("runs") / "stopped"
     with pytest.raises(Stopped):
-        run(SMALLEST, folder, film=False, extra=(At(20, send(), "flow"),))
+        run(SMALLEST, folder, extra=(At(20, send(), "flow"),))
     assert json.loads((folder / "summary.json").read_text())["failure"].startswith("stopped at t = ")
     return folder
 
@@ -171,12 +172,12 @@ def test_curves_that_are_shorter_than_the_checkpoint_knows_are_refused(left):
 
 def test_a_film_that_was_not_begun_is_refused(left):
     with pytest.raises(BadInput, match="film is asked for"):
-        resume(left, film=True)
+        api.resume(left, film=True)
 
 
 def test_a_run_that_was_left_is_neither_overwritten_unasked_nor_forgotten(left):
     with pytest.raises(BadInput, match=rf"--overwrite to replace it, or `taichi-silo resume {left}`$"):
-        run(SMALLEST, left, film=False)
+        run(SMALLEST, left)
 
 
 # --- the command ------------------------------------------------------------------------------------------------------

@@ -63,7 +63,7 @@ def test_a_link_in_the_folder_of_a_run_is_refused(name, left, outside, tried):
 def test_neither_a_run_nor_its_resumption_writes_through_a_link(name, left, outside, tried):
     link, before = linked(left, name, outside), contents(outside)
     inside = contents(left)
-    for attempt in (lambda: run(SMALLEST, left, overwrite=True, film=False), lambda: resume(left)):
+    for attempt in (lambda: run(SMALLEST, left, overwrite=True), lambda: resume(left)):
         words = refusal(attempt)
         assert words is not None and str(link) in words and "is a link" in words
     assert contents(outside) == before and contents(left) == inside
@@ -79,7 +79,7 @@ def test_a_link_to_nothing_is_not_written_through_either(left, outside):
 
 def test_a_pipe_or_a_file_in_the_place_of_a_folder_is_refused(left, tried):
     os.mkfifo(left / "curve.csv")
-    assert "no file or folder" in refusal(lambda: run(SMALLEST, left, overwrite=True, film=False))
+    assert "no file or folder" in refusal(lambda: run(SMALLEST, left, overwrite=True))
     (left / "curve.csv").unlink()
     shutil.rmtree(left / "snapshots")
     (left / "snapshots").write_text("")

@@ -30,7 +30,7 @@ def runs(tmp_path_factory):
     def folder(lanes, threads=1):
         if (lanes, threads) not in done:
             place = tmp_path_factory.mktemp("runs") / f"{lanes}_{threads}"
-            done[lanes, threads] = run(scene(lanes, threads), place, film=False)
+            done[lanes, threads] = run(scene(lanes, threads), place)
         return done[lanes, threads]
 
     return folder
@@ -45,7 +45,7 @@ def assert_equal(one: Path, other: Path) -> None:
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_scene_run_again_gives_the_same_bytes(threads, runs, tmp_path, tried):
-    again = run(scene(False, threads), tmp_path / "again", film=False)
+    again = run(scene(False, threads), tmp_path / "again")
     assert_equal(again, runs(False, threads))
     tried("loads held", f"run repeated byte by byte on {threads} thread{'s' * (threads > 1)}")
 

@@ -20,7 +20,7 @@ BOTH = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["
 
 def stopped(number, folder, **how):
     with pytest.raises(Stopped) as caught:
-        run(SMALLEST, folder, film=False, **how)
+        run(SMALLEST, folder, **how)
     assert caught.value.code == 128 + number
     assert not (folder / file_lock.NAME).exists()
     return str(caught.value)
@@ -46,7 +46,7 @@ def test_while_it_compiles_nothing_has_begun_and_nothing_is_lost(number, tmp_pat
     assert code == 128 + number and err.startswith("Error: stopped before the run went on; nothing has changed")
     assert contents(again) == before
     with pytest.raises(Stopped):
-        run(SMALLEST, again, film=False, overwrite=True)
+        run(SMALLEST, again, overwrite=True)
     assert contents(again) == before, "it is not yet replaced"
     tried("faults survived", "stopped while it compiles", 3)
 
@@ -86,16 +86,14 @@ def test_while_a_checkpoint_is_written_it_is_written_whole(number, tmp_path, who
 
 
 @BOTH
-def test_while_figures_are_drawn_the_rest_is_there(number, tmp_path, whole, monkeypatch, tried):
+def test_while_figures_are_drawn_the_rest_is_there(number, tmp_path, whole, tried):
     folder = tmp_path / "run"
 
-    def drawing(self):
+    def drawing(folder):
         send(number)()
         raise AssertionError("it went on")
 
-    with monkeypatch.context() as patch:
-        patch.setattr(session._Session, "_draw", drawing)
-        assert stopped(number, folder).startswith("stopped while the figures were drawn; all else is there")
+    assert stopped(number, folder, drawing=(drawing,)).startswith("stopped while film and figures were drawn; all else")
     assert "finished = false" in (folder / "run.toml").read_text()
     resume(folder)
     assert_same(folder, whole)
@@ -103,15 +101,14 @@ def test_while_figures_are_drawn_the_rest_is_there(number, tmp_path, whole, monk
 
 
 @BOTH
-def test_a_second_one_leaves_the_figures_out_and_nothing_else(number, tmp_path, whole, monkeypatch, tried):
+def test_a_second_one_leaves_the_figures_out_and_nothing_else(number, tmp_path, whole, tried):
     folder, drawn = tmp_path / "run", []
-    with monkeypatch.context() as patch:
-        patch.setattr(session._Session, "_draw", lambda self: drawn.append(self))
-        stopped(number, folder, extra=(At(5, send(number)),))
-        stopped(number, folder, overwrite=True, extra=(At(5, send(number), at_end=send(number)),))
-        assert len(drawn) == 1
-        stopped(number, folder, overwrite=True, extra=(At(-1, send(number), at_end=send(number)),))
-        assert len(drawn) == 1
+    drawing = {"drawing": (drawn.append,)}
+    stopped(number, folder, extra=(At(5, send(number)),), **drawing)
+    stopped(number, folder, overwrite=True, extra=(At(5, send(number), at_end=send(number)),), **drawing)
+    assert len(drawn) == 1
+    stopped(number, folder, overwrite=True, extra=(At(-1, send(number), at_end=send(number)),), **drawing)
+    assert len(drawn) == 1
     resume(folder)
     assert_same(folder, whole)
     tried("faults survived", "stopped once more while it puts its files in order", 2)
@@ -128,7 +125,7 @@ def test_a_second_run_in_the_same_folder_is_refused_until_the_first_is_gone(left
     )
     assert holder.stdout.readline() == "held\n"
     before = contents(left)
-    for attempt in (lambda: resume(left), lambda: run(SMALLEST, left, overwrite=True, film=False)):
+    for attempt in (lambda: resume(left), lambda: run(SMALLEST, left, overwrite=True)):
         with pytest.raises(BadInput, match=rf"in use by another run \(process {holder.pid}\)"):
             attempt()
     assert contents(left) == before
@@ -143,7 +140,7 @@ def test_a_second_run_in_the_same_folder_is_refused_until_the_first_is_gone(left
 class Runner:
     """A run that says that it runs, and goes on until it is let go."""
 
-    def __init__(self, scene, folder, film, extra):
+    def __init__(self, scene, folder, extra, drawing):
         self.folder = folder
 
     def go(self, stops):
@@ -171,7 +168,7 @@ def test_of_eight_that_start_at_one_instant_exactly_one_runs(quick, tmp_path, mo
                     os.close(open_gate)
                     os.close(let_go)
                     os.read(gate, 1)
-                    run(SMALLEST, folder, film=False)
+                    run(SMALLEST, folder)
                     said = b""
                 except BadInput as error:
                     busy = ("in use by another run", "holds a run already")

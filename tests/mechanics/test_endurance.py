@@ -45,7 +45,7 @@ def test_what_is_kept_of_a_run_does_not_grow_with_its_records(tmp_path, monkeypa
     monkeypatch.setattr(Checkpoint, "begin", lambda self, s: setattr(sizes, "checkpoint", self) or begin(self, s))
     monkeypatch.setattr(wall_profiles, "MOST_BLOCKS", 2)
     changed = {"output": Output(snapshots=1), "flow": Flow(speed_m_per_s=0.02, displacement_m=0.03)}
-    run(smallest(**changed), tmp_path / "run", film=False, extra=(sizes,))
+    run(smallest(**changed), tmp_path / "run", extra=(sizes,))
     assert len(sizes.bytes) > 12, "whole blocks of profiles"
     assert max(sizes.bytes[6:]) < 1.03 * max(sizes.bytes[:6])
 

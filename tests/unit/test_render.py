@@ -10,19 +10,19 @@ import pandas as pd
 import pytest
 from PIL import Image
 
+from taichi_silo.api import run
 from taichi_silo.cli import app
 from taichi_silo.cli.commands import render
 from taichi_silo.errors import BadInput, RunFailed
 from taichi_silo.runs import snapshot
+from taichi_silo.runs.observers import film_recorder
 from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.runs.result import Result
-from taichi_silo.runs.session import run
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene
 from taichi_silo.scene.silo import Outlet, Silo
-from taichi_silo.show.film import moments, movie, renderer
+from taichi_silo.show.film import FilmError, encoder, moments, renderer
 from taichi_silo.show.film.between import Between
 from taichi_silo.show.film.canvas import BACKGROUND, MISSING
-from taichi_silo.show.film.encoder import Encoder, FilmError
 from taichi_silo.show.film.point_raster import table
 from tests import made_up
 
@@ -94,13 +94,13 @@ def test_a_film_that_cannot_be_finished_leaves_nothing(history, tmp_path):
 
 
 def test_the_last_frame_is_that_of_the_film_that_the_run_has_drawn(tmp_path, monkeypatch):
-    monkeypatch.setattr(movie, "FLOW_FRAMES", 8)
-    monkeypatch.setattr(movie, "FILLING_FRAMES", 2)
+    monkeypatch.setitem(film_recorder.FRAMES, "flow", 8)
+    monkeypatch.setitem(film_recorder.FRAMES, "filling", 2)
     scene = Scene(
         silo=Silo(width_m=0.2, height_m=0.4), grid=Mesh(cell_size_m=0.05), machine=Machine(threads=1),
         flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), method=Method(filling_time_s=0.1),
     )  # fmt: skip
-    run(scene, tmp_path)
+    run(scene, tmp_path, progress=False)
     _, frames = frames_of(tmp_path / "void_ratio.mp4")
     still, _ = picture(Result(tmp_path), tmp_path / "a.png", size=(1920, 1080))
     error = np.abs(frames[-1].astype(int) - still).max(axis=2)
@@ -150,7 +150,7 @@ def test_points_move_on_straight_lines_and_leaving_ones_go_on(tmp_path):
         return (points["identity"] < 50) & (part > 0.7)
 
     history = Result(made_up.leave(tmp_path / "run", states=2, left=gone))
-    between = Between(history, FIELDS["void_ratio"])
+    between = Between(history, lambda points: points["void_ratio"])
     before, after = (made_up.state(history.scene, u) for u in (0.01, 0.02))
     position, values = between.at(made_up.FILLED_S + 0.75)
     assert len(position) == 250
@@ -243,10 +243,10 @@ def test_the_help_names_all_fields():
 
 
 def test_trouble_while_drawing_is_told_in_a_sentence(folder, tmp_path, monkeypatch):
-    def broken(self, frame):
+    def broken(writer, frame, file):
         raise FilmError("ffmpeg stopped: no space left")
 
-    monkeypatch.setattr(Encoder, "write", broken)
+    monkeypatch.setattr(encoder, "_append", broken)
     with pytest.raises(RunFailed, match=r"a.mp4 could not be drawn: ffmpeg stopped: no space left; see to that"):
         command("render", folder, "--field", "speed", "--size", "320x180", "--output", tmp_path / "a.mp4")
     assert not list(tmp_path.iterdir())

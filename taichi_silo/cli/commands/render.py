@@ -9,9 +9,6 @@ from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
 from taichi_silo.utils.console import Console
 
 LONGEST_S = 600.0  # of a film
-PASSING = (  # names of what is written before a film or picture gets its own
-    "{file.name}.part", "{file.stem}.rendering{file.suffix}", "{file.stem}.rendering.partial{file.suffix}",
-)  # fmt: skip
 SMALLEST, LARGEST = (320, 180), (7680, 4320)
 
 
@@ -38,9 +35,9 @@ def command(
     quiet: QuietFlag = False,
     json: JsonFlag = False,
 ) -> None:
-    """Draw a film of any field of a run, afterwards: from its snapshots and forces, on no screen.
+    """Draw a film of any field of a run, afterwards: from the states that it has kept and its forces, on no screen.
 
-    Between two snapshots points move on straight lines. Examples:
+    Between two states points move on straight lines. Examples:
 
     taichi-silo render outputs/silo --field layers --size 1280x720 --seconds 10
 
@@ -49,10 +46,11 @@ def command(
     taichi-silo render outputs/silo --field mean_stress --frame 10
     """
     from taichi_silo.errors import MachineFailed
+    from taichi_silo.mpm import runtime
     from taichi_silo.runs.point_fields import field as known
     from taichi_silo.runs.result import Result
-    from taichi_silo.show.film import renderer
-    from taichi_silo.show.film.encoder import FilmError
+    from taichi_silo.scene.scene import cores
+    from taichi_silo.show.film import FilmError, renderer
     from taichi_silo.utils.bounded_reading import as_left
     from taichi_silo.utils.machine_faults import of_file
 
@@ -60,10 +58,11 @@ def command(
     _check(seconds, speed, fps, frame)
     look, console = renderer.Look(field, _limits(limits), _size(size)), Console(quiet, json)
     history = Result(folder).need_states()
+    runtime.init("cpu", min(2, cores()))
     try:
         with as_left(history.folder):
             if frame is None:
-                shown = _moments(history, seconds, speed, fps)
+                shown = _moments(history, field, seconds, speed, fps)
                 file = _free(output or history.folder / f"{field}.mp4", ".mp4", overwrite)
                 drawn = renderer.film(history, file, _tracked(shown, field, console), look, fps)
                 found = {"film": str(file), "frames": len(shown), "seconds": len(shown) / fps}
@@ -82,13 +81,13 @@ def command(
     console.result(found | {"field": field, "range": [scale.low, scale.high], "size": list(look.size)})
 
 
-def _moments(history, seconds: float | None, speed: float | None, fps: int) -> list:
+def _moments(history, field: str, seconds: float | None, speed: float | None, fps: int) -> list:
     """What the frames show."""
     from taichi_silo.errors import BadInput
-    from taichi_silo.show.film import moments
+    from taichi_silo.show.film import moments, renderer
 
     if speed is None:
-        return moments.over(history, max(2, round((seconds or 15.0) * fps)))
+        return renderer.moments_of(history, field, max(2, round((seconds or 15.0) * fps)))
     if history.end_s > speed * LONGEST_S:
         lasts = history.end_s / speed
         raise BadInput(f"speed is {speed:g}; the film would last {lasts:.4g} s, it must be at most {LONGEST_S:g} s")
@@ -113,8 +112,7 @@ def _free(file: Path, suffix: str, overwrite: bool) -> Path:
         raise BadInput(f"output is {file}; it must end with {suffix}")
     if file.exists() and not overwrite:
         raise BadInput(f"output {file} is there already; give another name, or --overwrite to replace it")
-    passing = (file.with_name(name.format(file=file)) for name in PASSING)
-    no_link(file, *passing)
+    no_link(file, file.with_name(f"{file.name}.part"), file.with_name(f"{file.stem}.part{file.suffix}"))
     writable(file.parent)
     return file
 

@@ -23,14 +23,15 @@ def resume(
 
     taichi-silo resume outputs/mass_flow_e0.60_very-rough
     """
+    from taichi_silo import api
     from taichi_silo.cli.command_line import tell
     from taichi_silo.runs.observers.progress import ProgressLine
     from taichi_silo.runs.run_folder import finished
-    from taichi_silo.runs.session import resume as go_on
 
     console = Console(quiet, json)
     if finished(folder.expanduser()):
         console.say(f"The run in {folder} is finished; there is nothing to go on with.")
     else:
-        go_on(folder, threads=threads, film=None if film else False, extra=(ProgressLine(console.terminal),))
+        lines = (ProgressLine(console.terminal),)
+        api.resume(folder, threads=threads, film=None if film else False, progress=False, extra=lines)
     tell(folder.expanduser(), console)

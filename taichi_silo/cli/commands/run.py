@@ -86,10 +86,11 @@ def scene_file(
         console.say(f"{scene} is a possible scene: {wanted.points:,} points, {wanted.weight_N_per_m:.4g} N/m of sand")
         console.result({"scene": wanted.model_dump(mode="json"), "points": wanted.points})
         return
+    from taichi_silo import api
     from taichi_silo.runs.observers.progress import ProgressLine
-    from taichi_silo.runs.session import run as simulate
 
     folder = output.expanduser() if output else free_name(Path("outputs") / named(scene))
     console.say(f"The run goes to {folder}.")
-    left = simulate(wanted, folder, overwrite=overwrite, film=film, extra=(ProgressLine(console.terminal),))
-    command_line.tell(left, console)
+    lines = (ProgressLine(console.terminal),)
+    left = api.run(wanted, folder, overwrite=overwrite, film=film, progress=False, extra=lines)
+    command_line.tell(left.folder, console)

@@ -5,11 +5,26 @@ The simulation neither prints nor writes; observers do, each on a schedule of it
 
 
 class Observer:
-    """Looks, and never touches.
+    """Looks at a simulation after each interval and changes nothing in it.
 
     A run that was left goes on in another process: there `restore` takes the place of `begin`, with what `state` gave
     at the last checkpoint. One that keeps nothing between two records needs neither.
     """
+
+    def joins(self, kept: dict | None) -> bool:
+        """Whether it takes part in a run that goes on; asked before any work.
+
+        Parameters
+        ----------
+        kept : its state at the checkpoint; None if the run had no such observer.
+
+        Raises
+        ------
+        BadInput
+            if the run must not go on without it, and it cannot begin midway.
+
+        """
+        return True
 
     def begin(self, simulation) -> None:
         """Before the first interval."""
@@ -19,6 +34,9 @@ class Observer:
 
     def filled(self) -> None:
         """Between filling and flow."""
+
+    def failed(self, why: str) -> None:
+        """The run has ended before its time; `end` comes next."""
 
     def end(self) -> None:
         """After the last interval, or the failed one."""

@@ -1,18 +1,14 @@
 """Wall-force histories: `forces.csv`, and `balance.csv` with what closes the balance of each of its rows."""
 
-import contextlib
 import csv
-import errno
 import io
-import os
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from taichi_silo.errors import BadInput
 from taichi_silo.runs.observers import Observer
-from taichi_silo.utils.machine_faults import of_file
+from taichi_silo.utils.appended_file import AppendedFile
 
 FORCES = {
     "time_s": lambda r: r.time_s,
@@ -66,48 +62,27 @@ class Table(Observer):
 
     def begin(self, simulation) -> None:
         """Write the head."""
-        self._open(simulation, "wb", 0)
+        self._name_bodies(simulation)
+        self.rows = AppendedFile(self.file)
         self._write(self.columns)
 
-    def _open(self, simulation, mode: str, size: int) -> None:
+    def _name_bodies(self, simulation) -> None:
         if self.bodies:
             self.columns = self.columns | of_bodies(simulation.bodies)
-        self.size = size
-        self.stream = open(self.file, mode, buffering=0)  # noqa: SIM115 - see end()
 
     def _write(self, cells) -> None:
         row = io.StringIO(newline="")
         csv.writer(row).writerow(cells)
-        rest = memoryview(row.getvalue().encode())
-        size = self.size + len(rest)
-        try:
-            while rest:
-                rest = rest[self.stream.write(rest) :]
-        except OSError as error:
-            with contextlib.suppress(OSError):
-                os.ftruncate(self.stream.fileno(), self.size)
-            raise of_file(error, self.file) from error
-        self.size = size
+        self.rows.append(row.getvalue().encode())
 
     def state(self) -> dict:
         """How many bytes are written."""
-        try:
-            os.fsync(self.stream.fileno())
-            if not os.fstat(self.stream.fileno()).st_nlink:
-                raise OSError(errno.ENOENT, "it has been removed")
-        except OSError as error:
-            raise of_file(error, self.file) from error
-        return {"bytes": self.size}
+        return {"bytes": self.rows.sync()}
 
     def restore(self, simulation, kept: dict) -> None:
         """Cut off what was written later."""
-        size = self.file.stat().st_size if self.file.exists() else 0
-        if size < kept["bytes"]:
-            raise BadInput(
-                f"{self.file} has {size} bytes; the run cannot go on without a gap, it had written {kept['bytes']}"
-            )
-        os.truncate(self.file, kept["bytes"])
-        self._open(simulation, "ab", kept["bytes"])
+        self._name_bodies(simulation)
+        self.rows = AppendedFile(self.file, kept["bytes"])
 
     def observe(self, record) -> None:
         """Write a row, with digits enough to check the balance to 1e-9."""
@@ -116,7 +91,7 @@ class Table(Observer):
 
     def end(self) -> None:
         """Close the file."""
-        self.stream.close()
+        self.rows.close()
 
 
 NAMES = {"bottom_force_N_per_m": "bottom_N_per_m", "noise_control_force_N_per_m": "control_N_per_m"}

@@ -68,8 +68,12 @@ class Log(Observer):
             self.say(f"warning: {sentence}")
         self.told = len(self.simulation.warnings)
 
+    def failed(self, why: str) -> None:
+        """Keep why for the last line."""
+        self.failure = why
+
     def end(self) -> None:
-        """Say how it ended; `failure` is the sentence of what ended it before its time."""
+        """Say how it ended."""
         self._tell()
         for alarm in self.simulation.alarms.found.values():
             times = f"{alarm.times} times, the last at t = {alarm.last_time_s:.4f} s: {alarm.sentence}"

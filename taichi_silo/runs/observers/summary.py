@@ -37,7 +37,7 @@ class Summary(Observer):
     """
 
     def __init__(self, file: Path, profiles: WallProfiles):
-        self.file, self.profiles, self.failure = file, profiles, None
+        self.file, self.profiles, self.failure, self.found = file, profiles, None, {}
 
     def begin(self, simulation) -> None:
         """Start the clock."""
@@ -84,6 +84,10 @@ class Summary(Observer):
             "displacement_m": simulation.displacement, "time_s": simulation.time, "sunk_m": sunk, "left_m2": out,
         }  # fmt: skip
 
+    def failed(self, why: str) -> None:
+        """Say so in the file."""
+        self.failure = why
+
     def end(self) -> None:
         """Write the file."""
         simulation, seconds = self.simulation, time.monotonic() - self.started
@@ -112,8 +116,20 @@ class Summary(Observer):
             "particle_steps_per_second": points * simulation.steps / max(stepping, 1e-9),
             "wall_seconds": seconds,
         }
+        self.found = found
+        self._write()
+
+    def tell_warnings(self) -> None:
+        """Write the file once more, with warnings that came after it had been written."""
+        if not self.found:
+            return
+        told = self.found.get("warnings", [])
+        self.found["warnings"] = list(dict.fromkeys([*told, *self.simulation.warnings]))
+        self._write()
+
+    def _write(self) -> None:
         with atomic_write.written(self.file) as passing:
-            passing.write_text(json.dumps(_without_nan(found), indent=2) + "\n", encoding="utf-8")
+            passing.write_text(json.dumps(_without_nan(self.found), indent=2) + "\n", encoding="utf-8")
 
     def _measures(self, found: dict):
         """Name and function of each measure that the run has come far enough for; later ones use what is found."""
@@ -121,31 +137,26 @@ class Summary(Observer):
         if simulation.steps:
             records = cache(lambda: rows_of(folder))
             yield "forces", lambda: self._forces(records())
-            yield (
-                "certificate",
-                lambda: {"certificate": certificate(records(), self.after_filling, self._state(), simulation)},
-            )
+            yield "certificate", lambda: {"certificate": self._certificate(records())}
         if self.after_filling is not None:
             yield "filling", lambda: {"janssen": self._janssen(found["filling"])}
-            yield (
-                "theory",
-                lambda: {
-                    "theory": theory_of(
-                        simulation.scene,
-                        found["janssen"]["wall_friction_angle_deg"],
-                        found["janssen"]["pressure_ratio_K0"],
-                    )
-                },
-            )
+            yield "theory", lambda: {"theory": self._theory(found["janssen"])}
             yield "shear zones", lambda: {"shear_zones": self._zones()}
             yield "wall stresses", lambda: {"largest_wall_normal_stress_Pa": self._wall_stresses()}
             yield "overpressure", self.profiles.overpressure
             yield "largest wall stresses", self.profiles.largest_in_flow
         if self.before is not None:
-            yield (
-                "flow pattern",
-                lambda: flow_findings(self.after_filling, self.before, self.mid or self._state(), simulation.scene),
-            )
+            yield "flow pattern", self._flow
+
+    def _certificate(self, records: pd.DataFrame) -> dict:
+        return certificate(records, self.after_filling, self._state(), self.simulation)
+
+    def _theory(self, janssen: dict) -> dict:
+        angle_deg, ratio = janssen["wall_friction_angle_deg"], janssen["pressure_ratio_K0"]
+        return theory_of(self.simulation.scene, angle_deg, ratio)
+
+    def _flow(self) -> dict:
+        return flow_findings(self.after_filling, self.before, self.mid or self._state(), self.simulation.scene)
 
     def _ledger(self) -> dict:
         """What has left, and whether the books close."""

@@ -1,14 +1,15 @@
-"""The points of a run at any time, straight between two states.
+"""The points of a run at any time, straight between two of the states that are kept.
 
 Points that are in both states move on straight lines, and their values change evenly. Points that leave before the
 later state go on with the velocity they had; points that come are there from the later state on.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from taichi_silo.runs.point_fields import Field
+from taichi_silo.runs.film_states import FilmStates
 from taichi_silo.runs.result import Result
 
 
@@ -22,22 +23,26 @@ class Drawn(NamedTuple):
 
 
 class Between:
-    """Places and values of a field over time; two states at a time are held."""
+    """Positions and values of a field over time; two states at a time are held.
 
-    def __init__(self, history: Result, field: Field):
-        self.history, self.field = history, field
-        self.times = history.snapshots["time_s"].to_numpy(float)
+    Parameters
+    ----------
+    states : that the run has kept: its snapshots, or those of its film.
+    values : the field of the points of a state.
+
+    """
+
+    def __init__(self, states: Result | FilmStates, values: Callable[[dict[str, np.ndarray]], np.ndarray]):
+        self.kept, self.values = states, values
+        table = states.index if isinstance(states, FilmStates) else states.snapshots
+        self.times = table["time_s"].to_numpy(float)
         self._states: dict[int, Drawn] = {}
         self._pair = None
-
-    def values(self, points: dict[str, np.ndarray]) -> np.ndarray:
-        """Of the field, for a state."""
-        return self.field.values(points, self.history.start, self.history.scene)
 
     def state(self, number: int) -> Drawn:
         """A row of the index."""
         if number not in self._states:
-            points = self.history.state(number)
+            points = self.kept.state(number)
             self._states = {n: state for n, state in self._states.items() if abs(n - number) == 1}
             self._states[number] = Drawn(
                 points["identity"], points["position"], points["velocity"], self.values(points)
@@ -45,10 +50,11 @@ class Between:
         return self._states[number]
 
     def at(self, time_s: float) -> tuple[np.ndarray, np.ndarray]:
-        """Places (n, 2) [m] and values (n,) at a time; outside the run, those of its nearest state."""
+        """Positions (n, 2) [m] and values (n,) at a time; outside the run, those of its nearest state."""
         number = int(np.searchsorted(self.times, time_s, side="right")) - 1
-        if number < 0 or number >= len(self.times) - 1:
-            state = self.state(min(max(number, 0), len(self.times) - 1))
+        number = min(max(number, 0), len(self.times) - 1)
+        if time_s <= self.times[number] or number == len(self.times) - 1:
+            state = self.state(number)
             return state.position, state.values
         before, after = self.state(number), self.state(number + 1)
         if self._pair is None or self._pair[0] != number:

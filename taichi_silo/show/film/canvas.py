@@ -77,29 +77,28 @@ class Canvas:
     """Lays out a page for one silo and keeps its force curves; lengths in m, forces in N/m.
 
     `panel` is the Box where the sand goes: exactly wall to wall, its top row at height `top_m`, the same
-    `pixels_per_metre` along both axes, and deep enough for the bottom plate when it has sunk by `sinks_m` (the final
-    displacement if absent). Lengths on the page are those of 1920 columns and 1080 rows, times `zoom`.
+    `pixels_per_metre` along both axes, and deep enough for the bottom plate when it has sunk by `sinks_m`. Lengths on
+    the page are those of 1920 columns and 1080 rows, times `zoom`.
     """
 
     def __init__(
         self,
         width_m: float,
         height_m: float,
-        displacement_m: float,
         weight_N_per_m: float,
         scale: Scale,
         title: str,
-        course: Course | None = None,
-        sinks_m: float | None = None,
+        course: Course,
+        sinks_m: float,
         size: tuple[int, int] = SIZE,
     ):
-        self.size, self.course = size, course or Course(displacement_m)
+        self.size, self.course = size, course
         self.zoom = min(size[0] / SIZE[0], size[1] / SIZE[1])
         self.corner = [round(0.5 * (have - self.zoom * need)) for have, need in zip(size, SIZE, strict=True)]
         self.top_force = 1.1 * weight_N_per_m
         self.plate_m = 0.02 * max(height_m, width_m)
         self.top_m = 1.015 * height_m
-        depth = self.top_m + (displacement_m if sinks_m is None else sinks_m) + self.plate_m
+        depth = self.top_m + sinks_m + self.plate_m
         columns = self._long(width_m * min(870 / depth, 480 / width_m))
         self.pixels_per_metre = columns / width_m
         rows = max(1, round(depth * self.pixels_per_metre))

@@ -1,105 +1,78 @@
-"""Frames to a film, by ffmpeg."""
+"""Frames to an H.264 film, through imageio and its ffmpeg plugin."""
 
 import contextlib
-import subprocess
-import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 
+import imageio.v2 as imageio
 import imageio_ffmpeg
 import numpy as np
 
+from taichi_silo.show.film import FilmError
+from taichi_silo.utils import atomic_write
 
-class FilmError(RuntimeError):
-    """ffmpeg is not there, or has stopped."""
+FRAMES_PER_SECOND = 30
+COLOURS = (
+    "-vf scale=out_color_matrix=bt709:out_range=tv,format=yuv420p -colorspace bt709 -color_primaries bt709 "
+    "-color_trc bt709"
+)
+QUALITY = "-preset veryfast -crf 18 -bf 0 -threads 2 -movflags +faststart -f mp4"
 
 
-def program() -> str:
-    """The file of ffmpeg.
+def encode(file: Path, frames: Iterable[np.ndarray], frames_per_second: int = FRAMES_PER_SECOND) -> int:
+    """Encode frames (rows, columns, 3) of bytes, even numbers of rows and columns; returns how many there were.
+
+    The film is there when it is complete, or not at all; without frames there is none.
 
     Raises
     ------
     FilmError
-        if there is none.
+        if ffmpeg is not there, or has stopped.
 
     """
+    passing, count = passing_name(file), 0
     try:
-        return imageio_ffmpeg.get_ffmpeg_exe()
+        with imageio.get_writer(
+            passing, format="FFMPEG", mode="I", fps=frames_per_second, codec="libx264", macro_block_size=2,
+            quality=None, output_params=f"{COLOURS} {QUALITY}".split(),
+        ) as writer:  # fmt: skip
+            for frame in frames:
+                _append(writer, frame, file)
+                count += 1
+        if not count:
+            return 0
+        if _frames(passing) != count:  # imageio does not say how ffmpeg has ended
+            raise FilmError(_stopped(file))
+        atomic_write.put(passing, file)
+    finally:
+        with contextlib.suppress(OSError):
+            passing.unlink(missing_ok=True)
+    return count
+
+
+def passing_name(file: Path) -> Path:
+    """The name of a film that is not complete; its ending tells imageio what it is."""
+    return file.with_name(f"{file.stem}.part{file.suffix}")
+
+
+def _append(writer, frame: np.ndarray, file: Path) -> None:
+    try:
+        writer.append_data(frame)
+    except FileNotFoundError as error:
+        raise FilmError(f"ffmpeg cannot be started ({error.strerror})") from error
+    except OSError as error:
+        raise FilmError(_stopped(file)) from error
     except RuntimeError as error:
         raise FilmError("there is no ffmpeg") from error
 
 
-class Encoder:
-    """Feeds raw frames to ffmpeg under a temporary name; the film gets its final name when closed.
+def _frames(file: Path) -> int:
+    """How many frames a film has; 0 if it is none."""
+    try:
+        return imageio_ffmpeg.count_frames_and_secs(file)[0]
+    except (OSError, RuntimeError):
+        return 0
 
-    Parameters
-    ----------
-    path : Path
-        Where the film goes.
-    frames_per_second : int
-        Frame rate.
-    size : tuple of int
-        Columns and rows of a frame, even numbers.
 
-    Raises
-    ------
-    FilmError
-        if ffmpeg cannot be started.
-    """
-
-    def __init__(self, path: Path, frames_per_second: int, size: tuple[int, int]):
-        self.path = path
-        self.partial = path.with_name(f"{path.stem}.partial{path.suffix}")
-        # no frame refers to a later one (-bf 0): films can then be joined whatever their lengths are
-        options = (
-            f"-y -loglevel error -f rawvideo -pix_fmt rgb24 -s {size[0]}x{size[1]} -r {frames_per_second} -i - "
-            "-an -vf scale=out_color_matrix=bt709:out_range=tv,format=yuv420p "
-            "-colorspace bt709 -color_primaries bt709 -color_trc bt709 "
-            "-c:v libx264 -preset veryfast -crf 18 -bf 0 -threads 2 -movflags +faststart -f mp4"
-        )
-        command = [program(), *options.split(), str(self.partial)]
-        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the encoder
-        # own session: Ctrl-C stops the run, not the encoder, which then still completes its file
-        try:
-            self._process = subprocess.Popen(
-                command,
-                stdin=subprocess.PIPE,
-                stdout=subprocess.DEVNULL,
-                stderr=self._errors,
-                start_new_session=True,
-            )
-        except OSError as error:
-            self._errors.close()
-            raise FilmError(f"ffmpeg cannot be started ({error.strerror})") from error
-        self.frames = 0
-
-    def write(self, frame: np.ndarray) -> None:
-        """Append one frame, (rows, columns, 3) of bytes; FilmError if ffmpeg has stopped."""
-        try:
-            self._process.stdin.write(memoryview(np.ascontiguousarray(frame)).cast("B"))
-        except (BrokenPipeError, ValueError) as error:
-            raise FilmError(f"ffmpeg stopped while writing {self.partial}: {self._complaint()}") from error
-        self.frames += 1
-
-    def _complaint(self) -> str:
-        self._process.wait()
-        if self._errors.closed:
-            return "already closed"
-        self._errors.seek(0)
-        lines = self._errors.read().decode(errors="replace").strip().splitlines()
-        code = self._process.returncode
-        return lines[-1].strip() if lines else f"it was ended by signal {-code}" if code < 0 else f"code {code}"
-
-    def close(self) -> None:
-        """Finish the file and give it its final name; remove it if it holds no frame; FilmError if bad."""
-        if self._errors.closed:
-            return
-        with contextlib.suppress(BrokenPipeError):  # ffmpeg has gone; its exit code tells below
-            self._process.stdin.close()
-        complaint = self._complaint()
-        self._errors.close()
-        if self.frames == 0 or self._process.returncode != 0:
-            self.partial.unlink(missing_ok=True)
-        if self._process.returncode != 0:
-            raise FilmError(f"ffmpeg failed on {self.partial}: {complaint}")
-        if self.frames > 0:
-            self.partial.replace(self.path)
+def _stopped(file: Path) -> str:
+    return f"ffmpeg stopped before {file} was complete, as when a disk is full or the process is ended"

@@ -5,10 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from taichi_silo.errors import BadInput
+from taichi_silo.runs.film_states import FilmStates
+from taichi_silo.runs.observers.film_recorder import FRAMES
 from taichi_silo.runs.result import Result
-from taichi_silo.show.film.movie import FILLING_FRAMES, FLOW_FRAMES
 
-FILLING_SHARE = FILLING_FRAMES / (FILLING_FRAMES + FLOW_FRAMES)
+FILLING_SHARE = FRAMES["filling"] / sum(FRAMES.values())
 
 
 class Moment(NamedTuple):
@@ -17,6 +18,15 @@ class Moment(NamedTuple):
     time_s: float
     stage: str
     progress: float  # on the course [m or s]
+
+
+def kept(history: Result, states: FilmStates) -> list[Moment]:
+    """The moments at which the run has kept the states of its film."""
+    return [
+        Moment(row["time_s"], row["stage"], history.progress(row))
+        for row in states.index.to_dict("records")
+        for _ in range(row["shown"])
+    ]
 
 
 def over(history: Result, frames: int) -> list[Moment]:

@@ -3,116 +3,79 @@
 import numpy as np
 
 from taichi_silo.runs.point_fields import Scale
+from taichi_silo.scene.scene import Scene
 from taichi_silo.show.film.canvas import SIZE, Canvas, Course
+from taichi_silo.show.film.moments import Moment
 from taichi_silo.show.film.point_raster import SandRaster, levels
 
 
 class Picture:
-    """Draws frames of one silo; ti.init must have been called.
+    """Draws frames of one silo; Taichi has been started.
 
-    The silo stands between x = 0 and x = `width_m`; its bottom plate starts at y = 0 and moves down.
+    The silo stands between x = 0 and x = its width; its bottom starts at y = 0 and moves down.
 
     Parameters
     ----------
-    width_m, height_m : float
-        Inner width of the silo and height of the sand, m.
-    displacement_m : float
-        Final downward displacement of the bottom plate, m.
-    spacing_m : float
-        Nominal spacing of the material points, m.
-    weight_N_per_m : float
-        Weight of the sand per metre of depth, N/m; the force axis ends at 1.1 times this.
-    scale : Scale
-        Of the field.
-    title : str
-        One line above the picture.
-    course : Course
-        What the curves are drawn against; the displacement if absent.
-    solids : list of ndarray
-        Outlines (n, 2) of what stands still, a floor among them, m; None: a bottom plate sinks.
-    size : tuple of int
-        Columns and rows of a frame.
+    scene : of the run.
+    scale : of the field.
+    course : what the curves are drawn against.
+    size : columns and rows of a frame.
 
-    Raises
-    ------
-    ValueError
-        If a length or the weight is not positive, or the ends of the scale do not increase.
     """
 
-    def __init__(
-        self,
-        *,
-        width_m: float,
-        height_m: float,
-        displacement_m: float,
-        spacing_m: float,
-        weight_N_per_m: float,
-        scale: Scale,
-        title: str,
-        course: Course | None = None,
-        solids: list | None = None,
-        size: tuple[int, int] = SIZE,
-    ):
-        if not min(width_m, height_m, displacement_m, spacing_m, weight_N_per_m) > 0:
-            raise ValueError("width, height, displacement, spacing and weight must be positive")
-        if not scale.low < scale.high:
-            raise ValueError(f"range of {scale.label} must increase, got {scale.low}, {scale.high}")
-        self.scale = scale
-        self.sinks = solids is None
+    def __init__(self, scene: Scene, scale: Scale, course: Course, size: tuple[int, int] = SIZE):
+        silo, self.scale, self.sinks = scene.silo, scale, scene.silo.floor_is_outlet
+        sinks_m = scene.flow.displacement_m if self.sinks else 0.0
         self.canvas = Canvas(
-            width_m, height_m, displacement_m, weight_N_per_m, scale, title, course, None if self.sinks else 0.0, size
+            silo.width_m, silo.height_m, scene.weight_N_per_m, scale, title(scene), course, sinks_m, size
         )
         panel = self.canvas.panel
         self.raster = SandRaster(
-            panel.columns, panel.rows, self.canvas.pixels_per_metre, self.canvas.top_m, spacing_m, scale.colours,
-            solids or (),
+            panel.columns, panel.rows, self.canvas.pixels_per_metre, self.canvas.top_m, scene.spacing_m, scale.colours,
+            () if self.sinks else floors(silo) + silo.solids(),
         )  # fmt: skip
 
-    def add_forces(
-        self, displacement_m: float, bottom_N_per_m: float, shear_N_per_m: float, normal_N_per_m: float
-    ) -> None:
-        """Extend the force curves by one row: forces in N/m (walls: mean of both), displacement in m (or course).
-
-        At 0 (filling) the points only move along u = 0; rows that are not finite are left out.
-        """
-        self.canvas.add_forces(displacement_m, np.array([bottom_N_per_m, shear_N_per_m, normal_N_per_m]))
-
-    def frame(
-        self,
-        position: np.ndarray,
-        values: np.ndarray,
-        *,
-        time_s: float,
-        stage: str,
-        displacement_m: float,
-    ) -> np.ndarray:
+    def frame(self, position: np.ndarray, values: np.ndarray, moment: Moment) -> np.ndarray:
         """Draw one frame, (rows, columns, 3) of bytes.
 
         Parameters
         ----------
-        position : ndarray, shape (n, 2)
-            Material points in the lab frame, m; points that are not finite are left out.
-        values : ndarray, shape (n,)
-            Of the field; those beyond the range take the colour of its end, those that are not finite are grey.
-        time_s : float
-            Time shown, s.
-        stage : str
-            "filling" or "flow".
-        displacement_m : float
-            Downward displacement of the bottom plate, m; with a course of its own, the place on that.
+        position : (n, 2) of the points in the laboratory [m]; points that are not finite are left out.
+        values : (n,) of the field; those beyond the range take the colour of its end, those that are not finite are
+            grey.
+        moment : what the frame shows.
 
-        Raises
-        ------
-        ValueError
-            If the shapes do not fit.
         """
-        position, values = np.asarray(position, np.float64), np.asarray(values, np.float64)
-        if position.ndim != 2 or position.shape[1] != 2 or values.shape != position.shape[:1]:
-            raise ValueError(f"want (n, 2) and (n,), got {position.shape} and {values.shape}")
         finite = np.isfinite(position).all(axis=1)
         level = levels(self.scale.share(values[finite]))
-        plate_top = -displacement_m if self.sinks else -10.0 * self.canvas.top_m
+        plate_top = -moment.progress if self.sinks else -10.0 * self.canvas.top_m
         sand = self.raster.draw(position[finite], level, plate_top, plate_top - self.canvas.plate_m)
-        frame = self.canvas.page(time_s, stage, displacement_m)
+        frame = self.canvas.page(moment.time_s, moment.stage, moment.progress)
         frame[self.canvas.panel.slices] = sand
         return frame
+
+
+def course_of(scene: Scene) -> Course:
+    """What the curves of a scene are drawn against."""
+    if scene.flow.outflow == "gravity":
+        return Course(scene.flow.longest_s, "time since the outlet opened (s)", "open since", "s", 1.0)
+    if scene.silo.floor_is_outlet:
+        return Course(scene.flow.displacement_m)
+    return Course(scene.flow.displacement_m, "displacement u of the outlet (mm)")
+
+
+def floors(silo) -> list[np.ndarray]:
+    """Outlines (n, 2) of the floor beside the outlet [m]."""
+    left, right = silo.outlet_m
+    deep = -0.1 * silo.height_m
+    spans = ((0.0, left), (right, silo.width_m))
+    return [np.array([[a, 0.0], [b, 0.0], [b, deep], [a, deep]]) for a, b in spans if b > a]
+
+
+def title(scene: Scene) -> str:
+    """One line that says which sand, walls and silo are seen."""
+    walls = "very rough walls"
+    if scene.walls.kind == "smooth":
+        walls = f"smooth walls ({scene.walls.friction_angle_deg:g}°)"
+    words = [f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}", walls, scene.silo.words()]
+    return ", ".join(word for word in words if word)

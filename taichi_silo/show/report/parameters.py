@@ -20,7 +20,6 @@ PROGRAM = {  # what no scene has
     "program.wall_seconds": "of the whole run, films and files included",
     "program.finished": "whether the run came to its end",
     "program.resumed": "how often it was gone on with after a break",
-    "program.film": "whole, ended early, or none",
 }
 
 

@@ -9,11 +9,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from taichi_silo import api
 from taichi_silo.errors import BadInput
+from taichi_silo.runs import film_states
 from taichi_silo.runs.cost_estimate import START_S, Cost, at_pace, rehearse
-from taichi_silo.runs.run_folder import MADE, claim, finished, parameters, program
-from taichi_silo.runs.session import resume
-from taichi_silo.runs.session import run as from_the_start
+from taichi_silo.runs.result import FILM
+from taichi_silo.runs.run_folder import MADE, claim, finished, parameters
 from taichi_silo.scene import memory_need
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
@@ -50,8 +51,8 @@ class Run:
     def finished(self) -> bool:
         """Whether it is there, with all that belongs to it."""
         done = self.summary.get("finished", False) and finished(self.folder)
-        drawn = (self.folder / "void_ratio.mp4").exists() or program(self.folder).get("film") == "ended early"
-        return done and (not self.film or drawn)
+        filmed = any((self.folder / name).exists() for name in (FILM, film_states.NAME))
+        return done and (not self.film or filmed)
 
     @property
     def begun(self) -> bool:
@@ -89,7 +90,7 @@ class Run:
         self.folder.mkdir(exist_ok=True)
         with alone(self.folder / LOCK, WAIT_S, f"output {self.folder} is being written by another process"):
             if not self.finished and not self._went_on(extra):
-                from_the_start(self.scene, self.folder, overwrite=True, film=self.film, extra=extra)
+                api.run(self.scene, self.folder, overwrite=True, film=self.film, progress=False, extra=extra)
 
     def to_json(self, steps: int = 0) -> str:
         """The line that the program `taichi_silo.studies.sweep` reads: this run, and the number of steps expected."""
@@ -112,7 +113,8 @@ class Run:
         if not self.begun:
             return False
         try:
-            resume(self.folder, threads=self.scene.machine.threads, film=self.film, extra=extra)
+            threads = self.scene.machine.threads
+            api.resume(self.folder, threads=threads, film=self.film, progress=False, extra=extra)
         except BadInput:  # none, damaged, of another version, or without the film
             return False
         return True
