@@ -12,7 +12,6 @@ import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from taichi_silo.errors import BadInput
@@ -103,7 +102,7 @@ def parsed(text: str) -> dict:
     Raises
     ------
     ValueError
-        if it is none, or nested deeper than anything that makes sense.
+        if it is none, or nested too deep.
 
     """
     for line in text.splitlines():
@@ -156,12 +155,6 @@ def frame(file) -> pd.DataFrame:
         return pd.DataFrame()
     except (ValueError, OverflowError, RecursionError) as error:  # a parser's own errors are ValueErrors
         raise BadInput(f"{file} cannot be read as a table: it is damaged, or none") from error
-
-
-def numbers(values) -> pd.Series:
-    """Finite numbers of a column, nan in place of all else."""
-    found = pd.to_numeric(values, errors="coerce").astype(float)
-    return found.where(np.isfinite(found))
 
 
 @contextlib.contextmanager

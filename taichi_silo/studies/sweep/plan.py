@@ -46,7 +46,7 @@ class Sweep(Options):
     scene : files, or values at dotted paths; the default silo if absent.
     fidelity : named cell size and speed of all runs, unless they vary.
     film : whether to draw the films.
-    retries : how often a run is begun again whose worker died.
+    retries : how often a run is begun again whose process crashed or whose worker died.
     grid : values at dotted paths, of which every combination is run.
     latin_hypercube : draws instead of combinations.
     response : what to plot.
