@@ -40,10 +40,11 @@ def all_cores():
 
 
 def pytest_collection_modifyitems(items):
-    """Folders whose tests say sentences of mechanics; elsewhere the mark says so."""
+    """Mechanics first: all tests of some folders, and those with the mark."""
     for item in items:
         if item.path.parent.name in ("mechanics", "mpm"):
             item.add_marker("mechanics")
+    items.sort(key=lambda item: item.get_closest_marker("mechanics") is None)
 
 
 def pytest_terminal_summary(terminalreporter):
