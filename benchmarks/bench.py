@@ -58,10 +58,10 @@ def loaded(
     what = scene(points, points_per_cell, threads, arch)
     runtime.init(arch, threads)
     simulation = Simulation(what, control)
-    arrays = simulation.particles.arrays()
+    arrays = simulation.model.particles.arrays()
     vertical = -what.density_kg_per_m3 * 9.81 * (what.silo.height_m - arrays["position"][:, 1])
     arrays["stress"] = np.stack([0.42 * vertical, vertical, 0.42 * vertical, 0.0 * vertical], axis=1)
-    simulation.particles.load(arrays)
+    simulation.model.particles.load(arrays)
     return simulation
 
 
@@ -143,7 +143,9 @@ def averages(points: int) -> list[dict]:
     rows = []
     for ratio in (1.0, 2.0):  # l_c over the spacing
         simulation = loaded(points, 1, 1)
-        average = NonLocal(Gaussian(ratio * simulation.spacing), simulation.particles, simulation.spacing)
+        average = NonLocal(
+            Gaussian(ratio * simulation.model.spacing), simulation.model.particles, simulation.model.spacing
+        )
         average.refresh()
         size = simulation.scene.points, 1, 1
         neighbours = average.rows.pairs / size[0]

@@ -62,7 +62,7 @@ class Memory(Observer):
 
     def observe(self, record) -> None:
         """Look now and then."""
-        steps = self.simulation.steps
+        steps = self.simulation.clock.steps
         if not self.seen or steps >= self.seen[-1][0] + LOOKS:
             self.seen.append((steps, resident_MiB()))
         if self.steps is not None and steps >= self.steps:
@@ -98,9 +98,9 @@ def slow(folder: Path, minutes: float) -> dict:
     points = simulation.points()
     return {
         "minutes": minutes,
-        "steps": simulation.steps,
+        "steps": simulation.clock.steps,
         "displacement_mm": 1e3 * simulation.displacement,
-        "error of mass / mass": abs(points["mass"].sum() / simulation.mass - 1.0),
+        "error of mass / mass": abs(points["mass"].sum() / simulation.model.mass - 1.0),
         "largest balance residual / W": certificate["force_balance_residual_over_weight"],
         "void ratio lost without shear": certificate.get("unexplained_densification", 0.0),
         "share of sand without shear": certificate.get("unsheared_share", 0.0),
@@ -120,7 +120,8 @@ def million(folder: Path, steps: int = STEPS) -> dict:
     memory = Memory(steps)
     stopped(scene, folder / "memory", memory)
     return {
-        "steps": memory.simulation.steps, "MiB after a tenth": next(m for s, m in memory.seen if s >= 0.1 * steps),
+        "steps": memory.simulation.clock.steps,
+        "MiB after a tenth": next(m for s, m in memory.seen if s >= 0.1 * steps),
         "MiB at the end": memory.seen[-1][1], "growth of memory": memory.growth(steps // 10),
     }  # fmt: skip
 
@@ -135,21 +136,21 @@ def refill(cell_size_m: float = 0.01, cycles: int = CYCLES) -> dict:
     )  # fmt: skip
     scene.machine.start()
     simulation, forces, errors, left, rest = Simulation(scene), [], [], [], []
-    for cycle in range(cycles):
-        if cycle:
-            simulation.refill()
+    empty = simulation.state()
+    for _ in range(cycles):
+        simulation.restore(empty)
         records = list(simulation.fill())
         forces.append([(r.normal_N_per_m, r.shear_N_per_m, r.bottom_N_per_m) for r in records])
         for record in simulation.flow():
             records.append(record)
-        weight = simulation.mass * simulation.gravity
+        weight = simulation.model.mass * simulation.model.gravity
         rest.append(max(abs(r.residual_N_per_m) for r in records) / weight)
-        gone = simulation.whole * simulation.ledger.mass
-        errors.append(abs(gone + simulation.held_mass - simulation.mass) / simulation.mass)
-        left.append(int(simulation.particles.active[None]))
+        gone = simulation.discharged
+        errors.append(abs(gone + simulation.held_mass - simulation.model.mass) / simulation.model.mass)
+        left.append(int(simulation.model.particles.active[None]))
     same = all(len(one) == len(forces[0]) and np.array_equal(one, forces[0]) for one in forces)
     return {
-        "fills": cycles, "points": simulation.particles.count, "points left, at most": max(left),
+        "fills": cycles, "points": simulation.model.particles.count, "points left, at most": max(left),
         "error of the books / mass": max(errors), "largest balance residual / W": max(rest),
         "fills alike bit by bit": same,
     }  # fmt: skip

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 
 from taichi_silo.runs.observers.guard import EVERY_PERIODS, Guard
+from taichi_silo.simulation.clock import Interval
 from taichi_silo.simulation.simulation import Simulation
 
 ROUNDS = 2  # of looks at all points
@@ -30,15 +31,16 @@ def cost(simulation: Simulation, speed_m_per_s: float = 0.002) -> dict[str, floa
 
     guard = Guard()
     guard.begin(simulation)
-    plate = (-speed_m_per_s, -speed_m_per_s)
-    simulation.advance(simulation.interval, plate_velocity=plate)  # compiles
+    interval = Interval(simulation.model.interval, plate_velocity=(-speed_m_per_s, -speed_m_per_s))
+    simulation.advance(interval)  # compiles
     guard.filled()
-    simulation.stage, simulation.flow_start = "flow", simulation.time
+    simulation.clock.begin_flow()
     observe = timed("guard", guard.observe)
     simulation.solver.point_sums = timed("point_sums", simulation.solver.point_sums)
-    steps, begun = simulation.steps, time.perf_counter()
-    for _ in range(ROUNDS * EVERY_PERIODS * simulation.rows_per_period):
-        observe(simulation.advance(simulation.interval, plate_velocity=plate))
+    steps, begun = simulation.clock.steps, time.perf_counter()
+    for _ in range(ROUNDS * EVERY_PERIODS * simulation.scene.output.records_per_period):
+        observe(simulation.advance(interval))
     whole = time.perf_counter() - begun
     del simulation.solver.point_sums
-    return {"steps": simulation.steps - steps, "seconds": whole} | {name: part / whole for name, part in spent.items()}
+    steps = simulation.clock.steps - steps
+    return {"steps": steps, "seconds": whole} | {name: part / whole for name, part in spent.items()}

@@ -109,15 +109,15 @@ class MeasuredRun:
         for observer in watched:
             observer.end()
         self.film_s = filming + time.perf_counter() - started
-        self.records_s = whole - filming - self.simulation.stepping_seconds
+        self.records_s = whole - filming - self.simulation.clock.stepping_seconds
         last = [r for r in rows if r.displacement_m > 0.8 * what.flow.displacement_m]
         span = sum(r.interval_s for r in last)
         self.forces = [sum(getattr(r, f"{name}_N_per_m") * r.interval_s for r in last) / span for name in FORCES]
 
     def seconds(self, least: float) -> float:
         """Time that a second of flow takes, measured over about so long."""
-        solver, gravity = self.simulation.solver, self.simulation.gravity
-        speed = self.simulation.bottom_speed
+        solver, gravity = self.simulation.solver, self.simulation.model.gravity
+        speed = self.simulation.scene.flow.speed_m_per_s
         dt, steps, begun = STEP_SAFETY * solver.point_sums().stable_step, 0, time.perf_counter()
         while time.perf_counter() < begun + least:
             solver.advance(100, dt, (gravity, gravity), (-speed, -speed))
@@ -143,7 +143,7 @@ def measure(walls: str, cell_m: float, displacement_m: float) -> list[dict]:
     base = standard(walls, cell_m, displacement_m)
     with tempfile.TemporaryDirectory() as folder:
         usual = MeasuredRun(base, Path(folder) / "film_states.bin")
-    stepping = usual.simulation.stepping_seconds
+    stepping = usual.simulation.clock.stepping_seconds
     film = f"states put in: {usual.film_s:.1f} s whatever the run, here of {stepping:.0f} s"
     rows = [
         row(walls, "film", film, usual.film_s / stepping),

@@ -32,12 +32,12 @@ def certificate(records: pd.DataFrame, filled: dict | None, final: dict, simulat
     found = {
         "force_balance_residual_over_weight": float(records.residual_N_per_m.abs().max() / weight),
         "largest_time_step_over_stable": float((records.time_step_s / records.stable_step_s).max()),
-        "settled_before_flow": bool(simulation.settled),
+        "settled_before_flow": bool(simulation.clock.settled),
     }
     flow = records[records.stage == "flow"]
     if flow.empty or filled is None:
         return found
-    if simulation.points_per_computed == 1:  # else they are equal because one is the other's image
+    if simulation.model.section.points_per_computed == 1:  # else they are equal because one is the other's image
         difference = (flow.left_normal_N_per_m - flow.right_normal_N_per_m).abs()
         found["left_right_difference_over_weight"] = float(difference.max() / weight)
         if (difference > 1e-9 * weight).any():
@@ -52,13 +52,13 @@ def certificate(records: pd.DataFrame, filled: dict | None, final: dict, simulat
 
 def _steady_measures(flow: pd.DataFrame, simulation: Simulation) -> dict:
     """Noise and kinetic energy, once the oscillation from the start of the bottom has decayed."""
-    period, weight = simulation.period, simulation.scene.weight_N_per_m
-    steady = flow[flow.time_s > simulation.flow_start + STEADY_AFTER_PERIODS * period]
+    period, weight = simulation.model.period, simulation.scene.weight_N_per_m
+    steady = flow[flow.time_s > simulation.clock.flow_start + STEADY_AFTER_PERIODS * period]
     if len(steady) < 2 * MEAN_SPAN_PERIODS * period / flow.interval_s.median():
         return {}
     # means over a period: the control answers single oscillations by design
-    control = _rolling(steady.control_N_per_m, steady.interval_s, period).abs() / weight
-    rigid = 0.5 * simulation.mass * simulation.scene.flow.speed_m_per_s**2
+    control = _rolling(steady.noise_control_force_N_per_m, steady.interval_s, period).abs() / weight
+    rigid = 0.5 * simulation.model.mass * simulation.scene.flow.speed_m_per_s**2
     energy = steady.kinetic_energy_J_per_m / rigid
     moving = {}
     if simulation.scene.silo.floor_is_outlet:  # else the sand does not move as one body

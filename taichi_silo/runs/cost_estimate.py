@@ -19,9 +19,10 @@ from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene.scene import Scene
-from taichi_silo.simulation.alarm import Alarms
-from taichi_silo.simulation.filling import FIRST_STEP, LONGEST_SETTLING_PERIODS, duration
-from taichi_silo.simulation.simulation import STEP_SAFETY, Simulation, flow_time
+from taichi_silo.simulation import filling, outflow
+from taichi_silo.simulation.discretise import period_of, wave_speed_of
+from taichi_silo.simulation.model import Model
+from taichi_silo.simulation.simulation import STEP_SAFETY, Simulation
 
 SETTLING_PERIODS = 5.0  # until the wall force rests, with noise control
 FILLED = {"smooth": 1.15, "very-rough": 1.04}  # greatest wave speed over that at half the height, after filling
@@ -30,6 +31,7 @@ SHARPER = 0.12  # growth of the latter with each halving of the cells: shear zon
 SHARPNESS = (0.85, 1.17)  # where that growth begins and ends
 RESOLVED = 1.38  # factor of the latter where several points share a cell
 REHEARSED_S = 0.4  # of stepping
+FEWEST_INTERVALS = 5  # of a rehearsal
 START_S = 6.0  # of a process: Taichi's start and the compilation of the step
 
 
@@ -49,14 +51,7 @@ class Cost:
 
 def steps(scene: Scene) -> int:
     """Number of time steps of a run of this scene, filling and settling included; Taichi has been started."""
-    method, height = scene.method, scene.silo.height_m
-    law = scene.sand.constitutive_law(method.mass_scaling)
-
-    def speed(middle: float) -> float:
-        return wave_speed(law, (-0.5 * middle, -middle, -0.5 * middle, 0.0), scene.sand.void_ratio)
-
-    c = speed(0.5 * scene.density_kg_per_m3 * method.gravity_m_per_s2 * height)
-    period = 4.0 * height / c
+    method, law, c, period = scene.method, scene.law, wave_speed_of(scene), period_of(scene)
     interval = period / scene.output.records_per_period
     fraction = SHAPES[scene.grid.shape](0.5 / math.isqrt(scene.grid.points_per_cell)).stable_fraction
     fraction = STEP_SAFETY * fraction if method.cfl is None else method.cfl
@@ -68,19 +63,20 @@ def steps(scene: Scene) -> int:
         step = method.time_step_s or fraction * scene.grid.cell_size_m / (wave + speed_of_flow)
         return max(1, math.ceil(span / step - 1e-9))
 
-    filling = duration(scene, period)
-    rows = math.ceil(filling / interval)
+    whole = filling.duration(scene, period)
+    rows = math.ceil(whole / interval)
     loaded = FILLED[scene.walls.kind] * c
     growing = [loaded * ((row + 1) / rows) ** (0.5 * law.degree) for row in range(1, rows)]
-    found = count(filling / rows, speed(2.0 * law.rest_stress) / FIRST_STEP)
-    found += sum(count(filling / rows, wave) for wave in growing)
-    settling = SETTLING_PERIODS * period
-    if method.stress_update != "last" or (method.noise_control == "none" and scene.walls.kind == "smooth"):
-        # the wall force does not come to rest
-        settling = max(method.longest_settling_s, LONGEST_SETTLING_PERIODS * period)
-    settling = min(settling, max(method.longest_settling_s, LONGEST_SETTLING_PERIODS * period))
+    unstressed = wave_speed(
+        law, (-law.rest_stress, -2.0 * law.rest_stress, -law.rest_stress, 0.0), scene.sand.void_ratio
+    )
+    found = count(whole / rows, unstressed / filling.FIRST_STEP)
+    found += sum(count(whole / rows, wave) for wave in growing)
+    settling = longest = filling.longest_rest(scene, period)
+    if method.stress_update == "last" and (method.noise_control != "none" or scene.walls.kind != "smooth"):
+        settling = min(SETTLING_PERIODS * period, longest)  # the wall force comes to rest
     found += round(settling / interval) * count(interval, loaded)
-    return found + round(flow_time(scene, period) / interval * count(interval, c * _sharpness(scene)))
+    return found + round(outflow.duration(scene, period) / interval * count(interval, c * _sharpness(scene)))
 
 
 def _sharpness(scene: Scene) -> float:
@@ -100,44 +96,39 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
     Parameters
     ----------
     simulation : not yet begun.
-    seconds : how long to measure; at least three intervals of the simulation are.
+    seconds : how long to measure; at least five intervals between records are.
 
     """
-    particles, memory = simulation.particles, simulation.solver.grid.memory
-    arrays = particles.arrays()
-    clock = {name: value for name, value in vars(simulation).items() if isinstance(value, int | float | str | None)}
-    scene, ledger, simulation.ledger = simulation.scene, simulation.ledger, None
-    alarms, simulation.alarms = simulation.alarms, Alarms()
-    depth = scene.silo.height_m - arrays["position"][:, 1]
-    vertical = -scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * np.maximum(depth, 0.0)
-    side = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio) * vertical
-    stress = np.minimum(np.stack([side, vertical, side, 0.0 * side], axis=1), arrays["stress"])
-    stress[:, 3] = 0.0
-    particles.load(arrays | {"stress": stress})
-    done, spent, rates, begun = simulation.steps, simulation.stepping_seconds, [], time.monotonic()
+    model, solver, begun = simulation.model, simulation.solver, simulation.state()
+    model.particles.load(_at_rest(model))
+    speed = 0.0 if model.scene.flow.outflow == "gravity" else model.scene.flow.speed_m_per_s  # the gate stays shut
+    rates: list[float] = []
+    end = time.monotonic() + seconds
     with contextlib.suppress(RunFailed):  # a run that cannot go on will say so itself
-        for _record in _flowing(simulation):
-            rates.append((simulation.stepping_seconds - spent) / (simulation.steps - done))
-            done, spent = simulation.steps, simulation.stepping_seconds
-            if len(rates) > 4 and time.monotonic() - begun > seconds:
+        while len(rates) < FEWEST_INTERVALS or time.monotonic() < end:
+            sums = solver.point_sums()
+            if sums.strays:
                 break
-    found = float(np.median(rates)) if rates else math.nan  # the first interval builds lists; others get interrupted
-    simulation.ledger, simulation.alarms = ledger, alarms
-    for name, value in clock.items():
-        setattr(simulation, name, value)
-    particles.load(arrays)
-    memory.fill(0.0)
-    simulation.solver.surfaces.clear()
-    simulation.solver.impulses.read_and_reset()
-    return found
+            step = model.scene.method.time_step(sums, STEP_SAFETY)
+            count = max(1, math.ceil(model.interval / step - 1e-9))
+            started = time.perf_counter()
+            gravity = model.gravity, model.gravity
+            solver.advance(count, model.interval / count, gravity, (-speed if rates else 0.0, -speed))
+            solver.impulses.read_and_reset()  # waits for the device
+            rates.append((time.perf_counter() - started) / count)
+    simulation.restore(begun)
+    return float(np.median(rates)) if rates else math.nan  # the first builds lists; others get interrupted
 
 
-def _flowing(simulation: Simulation):
-    """Records of flow; of free outflow, whose solver is another, those of sand at rest, whose steps cost as much."""
-    if simulation.scene.flow.outflow == "gravity":
-        while True:
-            yield simulation.advance(simulation.interval)
-    yield from simulation.flow()
+def _at_rest(model: Model) -> dict[str, np.ndarray]:
+    """Fields of the points of the full silo under the stress of their own weight."""
+    scene, points = model.scene, model.particles.arrays()
+    depth = np.maximum(scene.silo.height_m - points["position"][:, 1], 0.0)
+    vertical = -scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * depth
+    side = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio) * vertical
+    stress = np.minimum(np.stack([side, vertical, side, 0.0 * side], axis=1), points["stress"])
+    stress[:, 3] = 0.0
+    return points | {"stress": stress}
 
 
 def at_pace(scene: Scene, seconds: float) -> Cost:

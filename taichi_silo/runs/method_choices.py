@@ -12,9 +12,8 @@ from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.runs.observers.film_recorder import FRAMES
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.symmetry import half_model
-from taichi_silo.simulation.discretise import Section, rows_of_cells
-from taichi_silo.simulation.natural_period import period_of
-from taichi_silo.simulation.simulation import noise_control
+from taichi_silo.simulation.discretise import noise_control, period_of, rows_of_cells
+from taichi_silo.simulation.section import Section
 
 TOUCHING = 3.75  # stretch along an axis at which points that keep their domain lose touch (stability map, ugimp)
 

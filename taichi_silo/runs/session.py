@@ -16,7 +16,6 @@ from taichi_silo.runs.observers.summary import Summary
 from taichi_silo.runs.observers.wall_profiles import WallProfiles
 from taichi_silo.scene import memory_need
 from taichi_silo.scene.scene import Scene
-from taichi_silo.simulation import restart
 from taichi_silo.simulation.simulation import Simulation
 from taichi_silo.utils import bounded_reading, checked_npz, file_lock
 from taichi_silo.utils.machine_faults import of_machine
@@ -121,7 +120,7 @@ class _Session:
         self.simulation = Simulation(scene)
         if kept:
             with checked_npz.understood(folder):
-                restart.restore(self.simulation, kept["simulation"])
+                self.simulation.restore(kept["simulation"])
         self.simulation.warnings += words
         shares = SHOWN_OF_FREE if scene.flow.outflow == "gravity" else SHOWN
         profiles = WallProfiles(folder / "walls.csv")

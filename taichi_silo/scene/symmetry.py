@@ -96,19 +96,3 @@ def whole_points(half: dict[str, np.ndarray], width_m: float) -> dict[str, np.nd
             image = values * SIGNS.get(name, 1.0)
         whole[name] = np.concatenate([values, image])
     return whole
-
-
-def whole_profile(half: np.ndarray, columns: int) -> np.ndarray:
-    """Nodal forces (left wall, axis, bottom; slots; 2) of the left half as those of (left, right, bottom).
-
-    `columns` is the number of nodes across the whole silo, margins included. The node of the bottom on the axis has
-    its share from both halves.
-    """
-    _, slots, _ = half.shape
-    whole = np.zeros((3, max(slots, columns), 2))
-    whole[0, :slots] = half[0]
-    whole[1, :slots] = half[0] * (-1.0, 1.0)
-    along = half[2, : min(slots, columns)]
-    whole[2, : len(along)] = along
-    whole[2, columns - len(along) : columns] += along[::-1] * (-1.0, 1.0)
-    return whole

@@ -1,11 +1,13 @@
 """One alarm: what was found wrong when and where, why it may be, and what to do."""
 
 import dataclasses
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from taichi_silo.errors import RunFailed
+from taichi_silo.simulation.clock import Clock
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ class Alarm:
     times: int = 1
     last_time_s: float = 0.0
 
-    def at(self, place_m, point: int) -> "Alarm":
+    def at(self, place_m: np.ndarray, point: int) -> "Alarm":
         """The alarm at a place (x, y) and a point; a place that is no number is none."""
         x, y = (float(value) if np.isfinite(value) else None for value in place_m)
         return dataclasses.replace(self, x_m=x, y_m=y, point=int(point))
@@ -60,13 +62,21 @@ class Alarm:
 
 
 class Alarms:
-    """All alarms of a run, one of each name: the first, and how often it came."""
+    """All alarms of a run, one of each name: the first, and how often it came.
 
-    def __init__(self):
-        self.found: dict[str, Alarm] = {}
+    Parameters
+    ----------
+    kept : what `state` gave, to go on from.
 
-    def take(self, alarm: Alarm, simulation) -> bool:
-        """Enter an alarm of the simulation's present time; whether it is the first of its name.
+    """
+
+    def __init__(self, kept: Iterable[dict] = ()):
+        names = {field.name for field in dataclasses.fields(Alarm)}
+        alarms = [Alarm(**{name: value for name, value in one.items() if name in names}) for one in kept]
+        self.found: dict[str, Alarm] = {alarm.name: alarm for alarm in alarms}
+
+    def enter(self, alarm: Alarm, clock: Clock) -> bool:
+        """Enter an alarm of this time; whether it is the first of its name.
 
         Raises
         ------
@@ -75,22 +85,17 @@ class Alarms:
 
         """
         first = self.found.get(alarm.name)
-        now = {"time_s": simulation.time, "stage": simulation.stage, "displacement_m": simulation.displacement}
-        alarm = dataclasses.replace(alarm, **now, last_time_s=simulation.time)
-        again = first is not None and not alarm.stops
-        if again:
-            alarm = dataclasses.replace(first, times=first.times + 1, last_time_s=simulation.time)
+        if first is not None and not alarm.stops:
+            self.found[alarm.name] = dataclasses.replace(first, times=first.times + 1, last_time_s=clock.time)
+            return False
+        alarm = dataclasses.replace(
+            alarm, time_s=clock.time, stage=clock.stage, displacement_m=clock.displacement, last_time_s=clock.time
+        )
         self.found[alarm.name] = alarm
         if alarm.stops:
             raise RunFailed(alarm.sentence)
-        return not again
+        return True
 
     def state(self) -> list[dict]:
         """All of them, as tables; each with its sentence."""
         return [dataclasses.asdict(alarm) | {"sentence": alarm.sentence} for alarm in self.found.values()]
-
-    def restore(self, kept: list[dict]) -> None:
-        """As they were."""
-        names = {field.name for field in dataclasses.fields(Alarm)}
-        alarms = [Alarm(**{name: value for name, value in one.items() if name in names}) for one in kept]
-        self.found = {alarm.name: alarm for alarm in alarms}

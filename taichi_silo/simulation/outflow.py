@@ -1,65 +1,70 @@
 """How the sand gets out of the silo: the bottom or a gate sinks at a given speed, or the gate is opened.
 
-Each way is a generator of records over a simulation. What it knows at a record are attributes of the simulation, so it
-can be left there and entered again.
+The next interval follows from the clock and the points, so the flow can be left at a record and gone on with.
 """
 
 from taichi_silo.mpm.noise_control import NoiseControl
+from taichi_silo.scene.scene import Scene
+from taichi_silo.simulation.clock import OPENED, Clock, Interval
+from taichi_silo.simulation.model import Model
 
 RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
-OPENED = -20.0  # speed of a gate that sand cannot follow [m/s]
 SHORT, LANDING = 0.5, 0.6  # of an interval and of a time step in free outflow: sand that lands is stiff at once
 LONGER = 1.05  # at most, a step against that of the interval before: where sand has landed, more will
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
 
 
-def flow(simulation):
-    """The way that the scene asks for; yields a Record after each interval."""
-    yield from fall(simulation) if simulation.scene.flow.outflow == "gravity" else sink(simulation)
+def duration(scene: Scene, period: float) -> float:
+    """Of the flow of a column with this period, at most [s]."""
+    flow = scene.flow
+    if flow.outflow == "gravity":
+        return flow.longest_s
+    return flow.displacement_m / flow.speed_m_per_s + 0.5 * RAMP_PERIODS * period
 
 
-def sink(simulation):
-    """A smooth start over several periods, then constant speed."""
-    target = simulation.scene.flow.displacement_m
-    while simulation.displacement < target * (1.0 - 1e-12):
-        duration, speed = simulation.interval, simulation.bottom_speed
-        faster = speed_after(simulation, simulation.time + duration - simulation.flow_start)
-        duration = min(duration, (target - simulation.displacement) / (0.5 * (speed + faster)))
-        record = simulation.advance(duration, plate_velocity=(-speed, -faster))
-        simulation.bottom_speed = faster
-        yield record
+def control(model: Model) -> NoiseControl:
+    """The noise control in flow: of free outflow only its relaxation, as its drag would brake what accelerates."""
+    if model.scene.flow.outflow == "gravity" and model.control.drag:
+        return NoiseControl(relaxation=model.control.relaxation)
+    return model.control
 
 
-def speed_after(simulation, since_start_s: float) -> float:
-    """Of the bottom or the gate [m/s]."""
-    part = min(since_start_s / (RAMP_PERIODS * simulation.period), 1.0)
-    return simulation.scene.flow.speed_m_per_s * part * part * (3.0 - 2.0 * part)
+def next_interval(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None:
+    """The next interval of the flow that the scene asks for, None at its end; the fastest point has this speed."""
+    if model.scene.flow.outflow == "gravity":
+        return _free(model, clock, fastest_m_per_s)
+    return _controlled(model, clock)
 
 
-def fall(simulation):
-    """Free outflow until the flow has stopped, enough has left, or the time is over."""
-    loosen(simulation)
-    scene = simulation.scene
-    reach = 0.5 * scene.grid.cell_size_m  # no sand may pass the exit by more within an interval
-    end = simulation.flow_start + scene.flow.longest_s
-    while (
-        simulation.time < end
-        and simulation.displacement < scene.flow.displacement_m
-        and simulation.particles.active[None]
-        and simulation.time - simulation.left_at < AT_REST_S
+def bottom_speed(model: Model, since_start_s: float) -> float:
+    """Of the bottom or the gate, downwards [m/s]: a smooth start over several periods, then constant."""
+    part = min(since_start_s / (RAMP_PERIODS * model.period), 1.0)
+    return model.scene.flow.speed_m_per_s * part * part * (3.0 - 2.0 * part)
+
+
+def _controlled(model: Model, clock: Clock) -> Interval | None:
+    """Lower the bottom or the gate until it has reached its displacement."""
+    target = model.scene.flow.displacement_m
+    if clock.flow_start is None or clock.displacement >= target * (1.0 - 1e-12):
+        return None
+    speed = bottom_speed(model, clock.time - clock.flow_start)
+    faster = bottom_speed(model, clock.time + model.interval - clock.flow_start)
+    duration = min(model.interval, (target - clock.displacement) / (0.5 * (speed + faster)))
+    return Interval(duration, plate_velocity=(-speed, -faster))
+
+
+def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None:
+    """Let the sand fall until the flow has stopped, enough has left, or the time is over."""
+    flow = model.scene.flow
+    if (
+        clock.flow_start is None
+        or clock.time >= clock.flow_start + flow.longest_s
+        or clock.displacement >= flow.displacement_m
+        or not model.particles.active[None]
+        or clock.time - clock.left_at >= AT_REST_S
     ):
-        fastest = simulation.after.speed + simulation.gravity * simulation.interval
-        before, short = simulation.ledger.mass, SHORT * simulation.interval
-        duration = min(short, reach / fastest)
-        record = simulation.advance(duration, plate_velocity=(OPENED, OPENED), growth=LANDING, longer=LONGER)
-        if simulation.ledger.mass > before:
-            simulation.left_at = simulation.time
-        yield record
-
-
-def loosen(simulation) -> None:
-    """Leave of the noise control only the relaxation: the drag towards the recent mean would brake what accelerates."""
-    if simulation.solver.control.drag:
-        pressing = simulation.solver.surfaces
-        simulation.use(NoiseControl(relaxation=simulation.control.relaxation))
-        simulation.solver.surfaces.take_over(pressing)
+        return None
+    reach = 0.5 * model.scene.grid.cell_size_m  # no sand may pass the exit by more within an interval
+    fastest = fastest_m_per_s + model.gravity * model.interval
+    duration = min(SHORT * model.interval, reach / fastest)
+    return Interval(duration, plate_velocity=(OPENED, OPENED), growth=LANDING, longer=LONGER)

@@ -1,73 +1,46 @@
-"""What a simulation needs to go on from a record as if it had never been left: `of` takes it, `restore` puts it back.
+"""The state of a solver between two intervals: what outlives an interval beside the points.
 
-Beside what the scene says this is: the clocks, how far the filling is, the points and their names, what has left, the
-last survey, and of the solver what outlives an interval: the nodes' last velocities and memory, the tractions of
-surfaces, the order of the points in lanes, and of a non-local average the state that its rows were built from, of
-which they are built once more. All other fields are made anew in each step.
+That is the nodes' last velocities and their memory, the tractions of surfaces, the order of the points on the vector
+unit, and of a non-local average the state that its rows were built from, of which they are built once more. All other
+fields are made anew in each step.
 """
 
-import dataclasses
-from types import SimpleNamespace
+import numpy as np
 
-from taichi_silo.simulation import filling, outflow
+from taichi_silo.mpm.solver import Solver
 
-CLOCK = (
-    "time", "displacement", "stage", "settled", "finished", "flow_start", "bottom_speed", "left_at", "step", "steps",
-    "stepping_seconds", "seen",
-)  # fmt: skip
 NODAL = {"memory": "memory", "velocity": "velocity", "change": "change", "echo": "second_velocity"}  # key: field
 
 
-def of(simulation) -> dict:
-    """Numbers, words, arrays, and dictionaries of them."""
-    particles, solver, ledger = simulation.particles, simulation.solver, simulation.ledger
-    kept = {
-        "clock": {name: getattr(simulation, name) for name in CLOCK} | {"loads": particles.revision},
-        "filling": dataclasses.asdict(simulation.filling),
-        "warnings": list(simulation.warnings),
-        "alarms": simulation.alarms.state(),
-        "after": vars(simulation.after) if simulation.after else None,
-        "points": particles.arrays() | {"identity": simulation.identity},
-        "nodes": {key: getattr(simulation.grid, name).to_numpy() for key, name in NODAL.items()},
-    }
-    if ledger:
-        kept["ledger"] = {"mass": ledger.mass, "momentum": ledger.momentum, "points": ledger.points}
+def state_of(solver: Solver) -> dict:
+    """Arrays, numbers, and dictionaries of them."""
+    kept: dict = {"nodes": {key: getattr(solver.grid, name).to_numpy() for key, name in NODAL.items()}}
     if solver.surfaces.ACTIVE:
         kept["surfaces"] = {name: getattr(solver.surfaces, name).to_numpy() for name in ("traction", "seen")}
-    if (state := solver.executor.state()) is not None:
-        kept["lanes"] = state
-    if solver.averaging.ACTIVE and solver.averaging.rows.revision == particles.revision:
+    if (order := solver.executor.state()) is not None:
+        kept["lanes"] = order
+    if solver.averaging.ACTIVE and solver.averaging.rows.revision == solver.particles.revision:
         kept["rows"] = solver.averaging.rows.origin | {"builds": solver.averaging.rows.builds}
     return kept
 
 
-def restore(simulation, kept: dict) -> None:
-    """Put it back into a simulation of the same scene that has not been begun."""
-    particles, points, clock = simulation.particles, dict(kept["points"]), dict(kept["clock"])
-    loads = clock.pop("loads")
-    for name in CLOCK:
-        setattr(simulation, name, clock[name])
-    simulation.filling = filling.Progress(**kept["filling"])
-    simulation.warnings = list(dict.fromkeys([*kept["warnings"], *simulation.warnings]))
-    simulation.alarms.restore(kept["alarms"])
-    simulation.after = SimpleNamespace(**kept["after"]) if kept["after"] else None
-    simulation.identity = points.pop("identity")
-    if simulation.stage == "flow" and simulation.scene.flow.outflow == "gravity":
-        outflow.loosen(simulation)
-    solver = simulation.solver
-    if "rows" in kept:
-        rows = dict(kept["rows"])
-        builds = rows.pop("builds")
-        particles.load(points | rows)
-        solver.averaging.rows.build()
-        solver.averaging.rows.builds, solver.averaging.rows.revision = builds, loads
+def restore(solver: Solver, kept: dict, points: dict[str, np.ndarray], revision: int) -> None:
+    """Load points, which get this number of revision, and what `state_of` took when they were there."""
+    particles = solver.particles
+    if solver.averaging.ACTIVE:
+        rows = solver.averaging.rows
+        rows.revision = -1
+        if "rows" in kept:
+            origin = dict(kept["rows"])
+            builds = origin.pop("builds")
+            particles.load(points | origin)
+            rows.build()
+            rows.builds, rows.revision = builds, revision
     particles.load(points)
-    particles.revision = loads
+    particles.revision = revision
     for key, values in kept["nodes"].items():
-        getattr(simulation.grid, NODAL[key]).from_numpy(values)
-    if simulation.ledger:
-        for name, value in kept["ledger"].items():
-            setattr(simulation.ledger, name, value)
+        getattr(solver.grid, NODAL[key]).from_numpy(values)
     for name, values in kept.get("surfaces", {}).items():
         getattr(solver.surfaces, name).from_numpy(values)
     solver.executor.restore(kept.get("lanes"))
+    solver.impulses.read_and_reset()

@@ -1,5 +1,7 @@
 """What the tests of faults share: a run that nothing befell, and runs without what takes them their time."""
 
+import dataclasses
+import gc
 import shutil
 from pathlib import Path
 
@@ -11,7 +13,6 @@ from taichi_silo.mpm import runtime
 from taichi_silo.runs import session
 from taichi_silo.runs.session import run
 from taichi_silo.scene.scene import Machine
-from taichi_silo.simulation import restart
 from taichi_silo.simulation.simulation import Simulation
 from tests.smallest import SMALLEST
 
@@ -24,12 +25,14 @@ def quick():
     def simulation(scene):
         key = scene.model_dump_json(exclude={"output"})
         if not made or made[2:] != [key, ti.lang.impl.get_runtime().prog]:  # fields die with the Taichi they are of
+            made.clear()
+            gc.collect()  # what Taichi allocated for another simulation must not be given back to the Taichi after it
             runtime.init()  # afresh: the compiled kernels that are kept know fields by their numbers
             first = Simulation(scene)
-            made[:] = first, restart.of(first), key, ti.lang.impl.get_runtime().prog
+            made[:] = first, first.state(), key, ti.lang.impl.get_runtime().prog
         found, start, *_ = made
-        found.scene, found.warnings = scene, []
-        restart.restore(found, start)
+        found.model, found.warnings = dataclasses.replace(found.model, scene=scene), []
+        found.restore(start)
         return found
 
     with pytest.MonkeyPatch.context() as patch:

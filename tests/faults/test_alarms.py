@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -19,6 +18,7 @@ from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.scene import Filling, Walls
 from taichi_silo.scene.silo import Hopper, Insert, Outlet
 from taichi_silo.simulation.alarm import Alarm, Alarms
+from taichi_silo.simulation.clock import OPENED, Clock, Interval
 from taichi_silo.simulation.simulation import Simulation
 from tests.faults.harness import assert_finite
 
@@ -43,9 +43,9 @@ class Spoiler(Observer):
     def observe(self, record):
         if record.stage == "flow" and record.displacement_m > 0.001 and not self.done:
             self.done = True
-            arrays = self.simulation.particles.arrays()
+            arrays = self.simulation.model.particles.arrays()
             self.change(arrays, self.simulation)
-            self.simulation.particles.load(arrays)
+            self.simulation.model.particles.load(arrays)
 
 
 def set_(name, index, value):
@@ -140,7 +140,7 @@ def guarded(simulation, **changes):
     one.begin(simulation)
     record = next(simulation.fill())
     try:
-        for _ in range(2 * simulation.rows_per_period):
+        for _ in range(2 * simulation.scene.output.records_per_period):
             one.observe(dataclasses.replace(record, **changes))
     except RunFailed:
         pass
@@ -149,22 +149,23 @@ def guarded(simulation, **changes):
 
 def test_forces_that_do_not_balance_raise_an_alarm(simulation, tried):
     weight = SCENE.weight_N_per_m
-    assert not guarded(simulation, momentum_rate_N_per_m=0.0, bottom_N_per_m=0.0, weight_N_per_m=0.0,
-                       left_shear_N_per_m=0.5e-6 * weight, right_shear_N_per_m=0.0, control_N_per_m=0.0)  # fmt: skip
-    found = guarded(simulation, bottom_N_per_m=2e-6 * weight, momentum_rate_N_per_m=0.0, weight_N_per_m=0.0,
-                    left_shear_N_per_m=0.0, right_shear_N_per_m=0.0, control_N_per_m=0.0)  # fmt: skip
+    assert not guarded(simulation, momentum_rate_N_per_m=0.0, bottom_force_N_per_m=0.0, weight_N_per_m=0.0,
+                       left_shear_N_per_m=0.5e-6 * weight, right_shear_N_per_m=0.0,
+                       noise_control_force_N_per_m=0.0)  # fmt: skip
+    found = guarded(simulation, bottom_force_N_per_m=2e-6 * weight, momentum_rate_N_per_m=0.0, weight_N_per_m=0.0,
+                    left_shear_N_per_m=0.0, right_shear_N_per_m=0.0, noise_control_force_N_per_m=0.0)  # fmt: skip
     assert set(found) == {"force balance"} and "out of balance by 0.00" in found["force balance"].sentence
     tried("alarms fired", "force balance")
 
 
 def test_a_balance_that_is_no_number_raises_it_too(simulation):
-    assert set(guarded(simulation, bottom_N_per_m=np.nan)) == {"force balance"}
+    assert set(guarded(simulation, bottom_force_N_per_m=np.nan)) == {"force balance"}
 
 
 def test_a_point_as_fast_as_no_sand_raises_an_alarm(simulation, tried):
-    arrays = simulation.particles.arrays()
+    arrays = simulation.model.particles.arrays()
     arrays["velocity"][7] = [0.0, 60.0]
-    simulation.particles.load(arrays)
+    simulation.model.particles.load(arrays)
     found = guarded(simulation, speed_m_per_s=60.0)
     assert "moves at 60.0 m/s" in found["speed"].sentence and found["speed"].x_m is not None
     tried("alarms fired", "speed")
@@ -192,7 +193,7 @@ def test_outflow_that_is_not_quasi_static_though_asked_to_be_raises_an_alarm(tmp
 
 
 def test_sand_that_moves_otherwise_than_its_outlet_raises_an_alarm(quick, simulation, tried):
-    rigid = 0.5 * simulation.mass * SCENE.flow.speed_m_per_s**2
+    rigid = 0.5 * simulation.model.mass * SCENE.flow.speed_m_per_s**2
     still = {"stage": "flow", "separated": 0, "kinetic_gain_J_per_m": 0.0}
     assert not guarded(simulation, **still, kinetic_energy_J_per_m=4.9 * rigid)
     found = guarded(quick(SCENE), **still, kinetic_energy_J_per_m=5.1 * rigid)
@@ -217,9 +218,9 @@ def test_work_is_weight_times_way_and_sand_gains_no_more_motion_than_that():
     runtime.init()
     free = Scene(silo=Silo(outlet=Outlet(width_m=0.1)), grid=SCENE.grid, walls=SCENE.walls, machine=SCENE.machine)
     simulation = Simulation(free)
-    simulation.stage, simulation.flow_start = "flow", 0.0
+    simulation.clock.begin_flow()
     before = simulation.points()
-    records = [simulation.advance(1e-3, plate_velocity=(-20.0, -20.0)) for _ in range(20)]
+    records = [simulation.advance(Interval(1e-3, plate_velocity=(OPENED, OPENED))) for _ in range(20)]
     after = simulation.points()
     gain, work = (sum(getattr(r, name) for r in records) for name in ("kinetic_gain_J_per_m", "work_J_per_m"))
     sunk = before["position"][:, 1] - after["position"][:, 1]
@@ -252,16 +253,15 @@ def test_work_of_a_sinking_bottom_is_weight_less_bottom_force_times_its_way(silo
 
 
 def test_an_alarm_that_comes_again_is_counted_and_said_once():
-    now = SimpleNamespace(time=0.1, stage="flow", displacement=0.001)
+    now = Clock(time=0.1, stage="flow", displacement=0.001)
     alarms, one = Alarms(), Alarm("inertia", False, "it is fast{place}", "why", "what", 2.0, 1.0).at((0.1, 0.2), 4)
-    assert alarms.take(one, now) is True
+    assert alarms.enter(one, now) is True
     now.time = 0.3
-    assert alarms.take(one, now) is False
+    assert alarms.enter(one, now) is False
     (kept,) = alarms.state()
     assert (kept["times"], kept["time_s"], kept["last_time_s"]) == (2, 0.1, 0.3)
     assert kept["sentence"].startswith("at t = 0.1000 s (flow, u = 1.000 mm) it is fast near x = 100.0 mm, y = 200")
-    again = Alarms()
-    again.restore(json.loads(json.dumps(alarms.state())))
+    again = Alarms(json.loads(json.dumps(alarms.state())))
     assert again.found == alarms.found
 
 
@@ -275,9 +275,9 @@ def test_the_step_adapts_as_the_stress_rises(simulation):
 
 def test_after_a_sudden_stress_the_next_interval_has_a_smaller_step(simulation):
     *_, before = simulation.fill()
-    arrays = simulation.particles.arrays()
-    simulation.particles.load(arrays | {"stress": 16.0 * arrays["stress"]})
-    after = simulation.advance(simulation.interval)
+    arrays = simulation.model.particles.arrays()
+    simulation.model.particles.load(arrays | {"stress": 16.0 * arrays["stress"]})
+    after = simulation.advance(Interval(simulation.model.interval))
     assert after.time_step_s < 0.6 * before.time_step_s
     assert after.time_step_s < of_records.LONGEST_STEP * after.stable_step_s
 

@@ -21,14 +21,14 @@ def runs(scene, intervals=4):
     runtime.init()
     simulation = Simulation(scene)
     step = scene.method.time_step(simulation.solver.point_sums(), 0.95)
-    if simulation.interval * intervals / step > STEPS_MOST or scene.points > 20_000:
+    if simulation.model.interval * intervals / step > STEPS_MOST or scene.points > 20_000:
         return False
     try:
         for _, record in zip(range(intervals), simulation.run(), strict=False):
             forces = [record.bottom_N_per_m, record.left_shear_N_per_m, record.right_shear_N_per_m]
             forces += [upwards for _, upwards in record.bodies_N_per_m.values()]
             assert np.isfinite(forces).all()
-            rest = record.weight_N_per_m + record.momentum_rate_N_per_m - record.control_N_per_m
+            rest = record.weight_N_per_m + record.momentum_rate_N_per_m - record.noise_control_force_N_per_m
             scale = max(map(abs, [*forces, record.weight_N_per_m, record.momentum_rate_N_per_m, 1e-12]))
             assert abs(sum(forces) - rest) < 1e-9 * scale
     except RunFailed as error:

@@ -56,11 +56,11 @@ def half_sunk(simulation):
 
 
 def sand_has_left(simulation):
-    return simulation.ledger.points > 0
+    return simulation.discharge.points > 0
 
 
 def at_the_end(simulation):
-    return simulation.finished or simulation.displacement >= simulation.scene.flow.displacement_m * (1.0 - 1e-12)
+    return simulation.clock.finished or simulation.displacement >= simulation.scene.flow.displacement_m * (1.0 - 1e-12)
 
 
 SCENES = {  # and the moments

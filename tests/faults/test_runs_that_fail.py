@@ -27,10 +27,10 @@ class Saboteur(Observer):
 
     def observe(self, record):
         if record.time_s > self.time and record.stage == self.stage and not self.done:
-            arrays = self.simulation.particles.arrays()
+            arrays = self.simulation.model.particles.arrays()
             for name, value in self.fields.items():
                 arrays[name][7] = value
-            self.simulation.particles.load(arrays)
+            self.simulation.model.particles.load(arrays)
             self.done = True
 
 

@@ -55,12 +55,12 @@ def go(scene):
     """200 steps of flow, from stresses that carry the scene's own weight; the step is chosen anew as in a run."""
     runtime.init()
     simulation = Simulation(scene)
-    arrays = simulation.particles.arrays()
+    arrays = simulation.model.particles.arrays()
     mass, depth = simulation.points()["mass"], scene.silo.height_m - arrays["position"][:, 1]
-    vertical = simulation.density * simulation.gravity * depth
+    vertical = simulation.model.density * simulation.model.gravity * depth
     arrays["stress"] = -np.stack([0.5 * vertical, vertical, 0.5 * vertical, 0.0 * vertical], axis=1)
-    simulation.particles.load(arrays)
-    solver, g, v = simulation.solver, simulation.gravity, scene.flow.speed_m_per_s
+    simulation.model.particles.load(arrays)
+    solver, g, v = simulation.solver, simulation.model.gravity, scene.flow.speed_m_per_s
     for _ in range(10):
         before = solver.point_sums()
         dt = 0.9 * before.stable_step
@@ -69,7 +69,7 @@ def go(scene):
         after = solver.point_sums()
         # a bottom that starts with a jolt beyond the sand's strength is stopped by the guard, which has its own tests
         assume(not after.strays and dt <= LONGEST_STEP * after.stable_step)
-        simulation.displacement += 20.0 * dt * v
+        simulation.clock.displacement += 20.0 * dt * v
         weight, force = arrays["mass"].sum() * g, reaction[:, :, 1].sum() / (20 * dt)
         rate = (after.momentum - before.momentum) / (20 * dt)
         scale = max(weight, abs(force), abs(rate))

@@ -61,16 +61,16 @@ class History:
             filling=Filling(kind=filling, layers=10), method=Method(filling_time_s=0.3, longest_settling_s=0.3),
         )  # fmt: skip
         simulation = Simulation(self.scene)
-        self.mass, self.period = simulation.mass, simulation.period
-        self.count = simulation.particles.count
+        self.mass, self.period = simulation.model.mass, simulation.model.period
+        self.count = simulation.model.particles.count
         self.filling = list(simulation.fill())
         self.filled = simulation.points()
         self.flow = list(simulation.flow())
         self.end = simulation.points()
-        self.gone = simulation.whole * simulation.ledger.mass if simulation.ledger else 0.0
+        self.gone = simulation.discharged if simulation.discharge else 0.0
         self.held = simulation.held_mass
         self.all, self.weight = self.filling + self.flow, self.mass * 9.81
-        self.bodies = simulation.bodies
+        self.bodies = simulation.model.wall_forces.bodies
 
 
 class Histories(dict):

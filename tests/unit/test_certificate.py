@@ -8,6 +8,7 @@ import pytest
 
 from taichi_silo.runs.certificate import certificate, noise
 from taichi_silo.scene.scene import Flow, Scene
+from taichi_silo.simulation.clock import Clock
 
 PERIOD, INTERVAL = 0.02, 0.002
 SCENE = Scene(flow=Flow(speed_m_per_s=0.002, displacement_m=0.002))
@@ -22,7 +23,7 @@ def history(wobble=0.0, drift=0.0, rows=500):
         {
             "time_s": time, "stage": "flow", "interval_s": INTERVAL, "displacement_m": 0.002 * time,
             "normal_N_per_m": normal, "left_normal_N_per_m": normal + 0.5, "right_normal_N_per_m": normal - 0.5,
-            "control_N_per_m": zero + 3.0, "residual_N_per_m": zero + 1e-9, "time_step_s": zero + 1e-5,
+            "noise_control_force_N_per_m": zero + 3.0, "residual_N_per_m": zero + 1e-9, "time_step_s": zero + 1e-5,
             "stable_step_s": zero + 2e-5, "kinetic_energy_J_per_m": zero + 1e-4,
         }
     )  # fmt: skip
@@ -43,9 +44,8 @@ def state(time_s, settle=0.0, path=0.0):
 
 
 def judge(records, final, filled=None):
-    simulation = SimpleNamespace(
-        scene=SCENE, settled=True, period=PERIOD, flow_start=0.0, mass=165.6, points_per_computed=1
-    )
+    model = SimpleNamespace(period=PERIOD, mass=165.6, section=SimpleNamespace(points_per_computed=1))
+    simulation = SimpleNamespace(scene=SCENE, model=model, clock=Clock(settled=True, flow_start=0.0))
     return certificate(records, filled or state(0.0), final, simulation)
 
 

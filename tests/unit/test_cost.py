@@ -39,7 +39,7 @@ def done(simulation: Simulation) -> Simulation:
 def test_the_number_of_steps_is_known_to_a_tenth(walls, method):
     scene = coarse(walls, **method)
     simulation = done(started(scene))
-    assert abs(cost_estimate.steps(scene) / simulation.steps - 1.0) < 0.1
+    assert abs(cost_estimate.steps(scene) / simulation.clock.steps - 1.0) < 0.1
 
 
 def test_a_given_step_halved_doubles_their_number():
@@ -59,7 +59,7 @@ def test_a_rehearsal_leaves_the_run_as_it_would_have_been(silo):
         simulation = started(coarse(displacement=0.001).model_copy(update={"silo": silo}))
         if rehearsed:
             assert cost_estimate.rehearse(simulation, seconds=0.05) > 0.0
-            assert (simulation.time, simulation.steps, simulation.stage) == (0.0, 0, "filling")
+            assert (simulation.time, simulation.clock.steps, simulation.stage) == (0.0, 0, "filling")
         forces = [(r.time_s, r.bottom_N_per_m, r.normal_N_per_m, r.shear_N_per_m) for r in simulation.run()]
         return np.array(forces), simulation.points()
 

@@ -11,7 +11,7 @@ from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene import known_limits
 from taichi_silo.scene.method_options import MethodOptions
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Silo, Walls
-from taichi_silo.simulation.discharge import Ledger
+from taichi_silo.simulation.discharge import Discharge
 from taichi_silo.simulation.simulation import Simulation
 from validation.stability.bodies import block
 
@@ -91,7 +91,7 @@ def test_sand_with_a_hundred_times_the_inertia_does_the_same_ten_times_slower():
         simulation = Simulation(Scene(**COARSE, walls=Walls(kind="smooth", friction_angle_deg=19.0), method=method))
         runs[factor] = simulation, list(simulation.fill())[-1]
     (light, one), (heavy, other) = runs.values()
-    assert heavy.period == pytest.approx(10.0 * light.period)
+    assert heavy.model.period == pytest.approx(10.0 * light.model.period)
     assert other.time_step_s == pytest.approx(10.0 * one.time_step_s, rel=1e-6)
     assert other.weight_N_per_m == pytest.approx(one.weight_N_per_m, rel=1e-12)
     assert other.normal_N_per_m == pytest.approx(one.normal_N_per_m, rel=1e-6)
@@ -121,16 +121,16 @@ def test_what_leaves_is_booked_and_what_stays_goes_on():
     arrays["velocity"][:, 1] = -2.0
     particles.load(arrays)
     whole = arrays["mass"].sum()
-    ledger = Ledger(particles, exit_m=0.041)
-    kept = ledger.settle()
-    left = ledger.mass
+    gone = Discharge(particles, exit_m=0.041)
+    kept = gone.take_out()
+    left = gone.mass
     assert kept.sum() == 15
     assert particles.active[None] == 15
-    assert ledger.points == 10
+    assert gone.points == 10
     assert left + particles.arrays()["mass"].sum() == pytest.approx(whole, rel=1e-15)
-    assert ledger.momentum[1] == pytest.approx(-2.0 * left)
+    assert gone.momentum[1] == pytest.approx(-2.0 * left)
     assert (particles.arrays()["position"][:, 1] > 0.041).all()
-    assert ledger.settle() is None
+    assert gone.take_out() is None
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from taichi_silo.runs.observers.wall_profiles import WallProfiles
+from taichi_silo.scene.scene import Output, Scene
 
 
 @pytest.fixture
@@ -14,7 +15,7 @@ def after(tmp_path):
 
     def of(filling, flow):
         profiles = WallProfiles(tmp_path / "walls.csv")
-        profiles.begin(SimpleNamespace(rows_per_period=4, origin_m=0.0))
+        profiles.begin(SimpleNamespace(scene=Scene(output=Output(records_per_period=4)), origin_m=0.0))
         profiles._write = lambda *given: None
         for number in range(filling + flow):
             stage = "filling" if number < filling else "flow"
@@ -24,7 +25,8 @@ def after(tmp_path):
                     interval_s=1.0,
                     profile=np.full((3, 5, 2), float(number)),
                     time_s=float(number),
-                    normal_N_per_m=1000.0 - number,
+                    left_normal_N_per_m=1000.0 - number,
+                    right_normal_N_per_m=1000.0 - number,
                     displacement_m=0.0,
                 )  # fmt: skip
             )

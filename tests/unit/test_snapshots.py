@@ -17,6 +17,7 @@ from taichi_silo.runs.result import Result
 from taichi_silo.scene.scene import Flow, Mesh, Output, Scene
 from taichi_silo.scene.silo import Outlet, Silo
 from taichi_silo.show.figures.void_ratio import chosen_snapshots
+from taichi_silo.simulation.clock import Clock
 from tests import made_up
 from validation.paper.files import CaseRun
 
@@ -36,16 +37,16 @@ def points():
 class Course:
     """A simulation that only tells where it is."""
 
-    filling_time, flow_start, steps = 0.5, 0.6, 0
-
     def __init__(self, scene):
         self.scene, self.stage, self.time, self.displacement = scene, "filling", 0.0, 0.0
+        self.model, self.clock = SimpleNamespace(filling_time=0.5), Clock(flow_start=0.6)
 
     def points(self):
         return made_up.state(made_up.scene(), self.displacement)
 
     def record(self, time_s, stage, displacement_m=0.0):
-        self.time, self.stage, self.displacement, self.steps = time_s, stage, displacement_m, self.steps + 1
+        self.time, self.stage, self.displacement = time_s, stage, displacement_m
+        self.clock.steps += 1
         return SimpleNamespace(time_s=time_s, stage=stage, displacement_m=displacement_m)
 
 

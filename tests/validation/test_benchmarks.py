@@ -23,7 +23,7 @@ def test_every_phase_runs():
     assert list(phases) == ["particles to grid", "grid", "grid to particles", "grid to particles, law"]
     for run in phases.values():
         run(1, 1e-9)
-    average = NonLocal(Gaussian(simulation.spacing), simulation.particles, simulation.spacing)
+    average = NonLocal(Gaussian(simulation.model.spacing), simulation.model.particles, simulation.model.spacing)
     average.refresh()
     average.norm.fill(2.5)
     alone = Neighbours(average)

@@ -8,7 +8,7 @@ import pandas as pd
 from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, SURFACE, cell_mean
 from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.observers.wall_profiles import wall_stress
-from taichi_silo.simulation.simulation import LEFT, RIGHT
+from taichi_silo.simulation.wall_forces import LEFT, RIGHT, normal_and_shear
 
 BINS = 100  # of the whole displacement
 FIRST_BIN = 2  # the bottom goes through the first two in about one period of the column: waves, not yet forces of flow
@@ -39,7 +39,7 @@ class Curves:
             return np.interp(edges, travel, np.concatenate([[0.0], np.cumsum(rate * flow.interval_s)]))
 
         seconds = np.diff(at_edges(np.ones(len(flow))))
-        names = {"P": "bottom_N_per_m", "T": "shear_N_per_m", "N": "normal_N_per_m"}
+        names = {"P": "bottom_force_N_per_m", "T": "shear_N_per_m", "N": "normal_N_per_m"}
         forces = {name: np.diff(at_edges(flow[column])) / seconds for name, column in names.items()}
         return cls(displacement_m=0.5 * (edges[1:] + edges[:-1]), **forces)
 
@@ -67,10 +67,10 @@ class WallProfile(Observer):
         """Wall stress as a pressure cell reads it, every 10 mm above the plate; without corner and surface."""
         scene, rows = self.simulation.scene, self.simulation.solver.grid.rows
         nodes, sides = None, []
-        for wall, sign in ((LEFT, 1.0), (RIGHT, -1.0)):
-            force = self.impulse[wall, :rows] / self.seconds
+        for row, wall in ((LEFT, "left"), (RIGHT, "right")):
+            force = self.impulse[row, :rows] / self.seconds
             nodes, stress = wall_stress(force, scene.grid.cell_size_m, closed=False)
-            sides.append(sign * stress[:, 0])
+            sides.append(normal_and_shear(wall, stress)[0])
         fine = np.arange(0.0, scene.silo.height_m, FINE_M)
         read = cell_mean(fine, np.interp(fine, nodes, np.mean(sides, axis=0)))
         height = np.arange(CORNER_M + 0.5 * CELL_M, SURFACE * scene.silo.height_m, SPACING_M)

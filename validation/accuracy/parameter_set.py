@@ -104,9 +104,10 @@ def simulate(one: ParameterSet) -> dict:
     scene, failure = one.scene, None
     simulation = Simulation(scene)
     if one.nudge:
-        arrays = simulation.particles.arrays()
-        shift = NUDGE * simulation.spacing * np.random.default_rng(one.nudge).standard_normal(arrays["position"].shape)
-        simulation.particles.load(arrays | {"position": arrays["position"] + shift})
+        model, random = simulation.model, np.random.default_rng(one.nudge)
+        arrays = model.particles.arrays()
+        shift = NUDGE * model.spacing * random.standard_normal(arrays["position"].shape)
+        model.particles.load(arrays | {"position": arrays["position"] + shift})
     expected = predict(simulation)
     begun = time.process_time()
     records, profile = Records(), WallProfile()
@@ -124,7 +125,7 @@ def simulate(one: ParameterSet) -> dict:
     except RunFailed as error:
         failure = str(error)
     # on a quiet machine the first; on one that others use or halt, the processor's own time
-    spent = min(simulation.stepping_seconds * runtime.threads(), time.process_time() - begun)
+    spent = min(simulation.clock.stepping_seconds * runtime.threads(), time.process_time() - begun)
     rows = pd.DataFrame(records.rows)
     found = {
         "format": FORMAT,
@@ -133,8 +134,8 @@ def simulate(one: ParameterSet) -> dict:
         "warnings": simulation.warnings,
         "cost": {
             "points": scene.points,
-            "steps": simulation.steps,
-            "time_step_s": simulation.time / max(simulation.steps, 1),
+            "steps": simulation.clock.steps,
+            "time_step_s": simulation.time / max(simulation.clock.steps, 1),
             "core_seconds": spent,
             "predicted_steps": expected.steps,
             "predicted_core_seconds": expected.core_seconds,

@@ -13,7 +13,7 @@ from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.solver import Solver
 from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.mpm.walls import Coulomb, OpenFloor, PlaneWall
-from taichi_silo.simulation.discharge import Ledger
+from taichi_silo.simulation.discharge import Discharge
 from validation.stability.bodies import block, change
 
 G = 9.81
@@ -67,16 +67,16 @@ def empty(
     half = round(0.5 * (outlet_m or 0.0) / cell)
     opened = () if outlet_m is None else (OpenFloor(floor_node, centre - half, centre + half, floor.contact),)
     body = Solver(particles, grid, shape, law, (*sides, *opened), NoiseControl(relaxation=control.relaxation))
-    ledger = Ledger(particles, exit_m=cell)
+    gone = Discharge(particles, exit_m=cell)
     first = float(particles.arrays()["mass"].sum())
     low, high, time, last, marks, bad = math.inf, -math.inf, 0.0, 0.0, {}, 0
     while time < longest and particles.active[None] and time - last < 0.5:
         drive(body, STEP_S, gravity=(G, G))
         time += STEP_S
-        if ledger.settle() is not None:
+        if gone.take_out() is not None:
             last = time
         for part in (0.1, 0.5):
-            if ledger.mass > part * first:
+            if gone.mass > part * first:
                 marks.setdefault(part, time)
         if not particles.active[None]:
             break
@@ -89,7 +89,7 @@ def empty(
     there = float(particles.arrays()["mass"].sum())
     rate = 0.4 * first / (marks[0.5] - marks[0.1]) if len(marks) == 2 and marks[0.5] > marks[0.1] else 0.0
     return {
-        "mass_error": abs((there + ledger.mass) / first - 1.0), "left": there / first, "bad": float(bad),
+        "mass_error": abs((there + gone.mass) / first - 1.0), "left": there / first, "bad": float(bad),
         "void_low": low, "void_high": high, "last": last, "rate": rate,
     }  # fmt: skip
 

@@ -9,7 +9,8 @@ from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.runs.theories import janssen_of
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
-from taichi_silo.simulation.simulation import LEFT, RIGHT, Simulation
+from taichi_silo.simulation.simulation import Simulation
+from taichi_silo.simulation.wall_forces import LEFT, RIGHT
 from validation.stability.measurement import Measurement, measurements
 
 FAILURE_MODE = "8 ratcheting"
@@ -50,7 +51,7 @@ def silo(method: dict, law: str, control: str | None) -> Simulation:
     simulation = Simulation(scene)
     if control is None:
         return simulation
-    whole = NoiseControl.for_column(simulation.period)
+    whole = NoiseControl.for_column(simulation.model.period)
     only = {"filling": {"filling_drag": whole.drag}, "relaxation": {"relaxation": whole.relaxation}}[control]
     return Simulation(scene, NoiseControl(**only))
 
@@ -66,7 +67,7 @@ def state(simulation: Simulation) -> dict[str, float]:
 
 def shaken(simulation: Simulation) -> list[float]:
     """Shake the bottom of a filled silo at rest up and down; N of both walls' mean in each period [N/m]."""
-    solver, g = simulation.solver, simulation.gravity
+    solver, g = simulation.solver, simulation.model.gravity
     quarter, top = 0.25 / FREQUENCY_HZ, 4.0 * AMPLITUDE_M * FREQUENCY_HZ * 2.0
     found = []
     for _ in range(round(SHAKEN_S * FREQUENCY_HZ)):
@@ -94,12 +95,12 @@ def history(method: dict, law: str, control: str | None) -> dict:
     for record in simulation.fill():
         filled = record.normal_N_per_m
     before = state(simulation)
-    points, memory = simulation.particles.arrays(), simulation.solver.grid.memory.to_numpy()
+    points, memory = simulation.model.particles.arrays(), simulation.solver.grid.memory.to_numpy()
     periods = shaken(simulation)
     after = state(simulation)
-    simulation.particles.load(points)
+    simulation.model.particles.load(points)
     simulation.solver.grid.memory.from_numpy(memory)
-    rows = [(r.time_s, r.normal_N_per_m, (r.bottom_N_per_m + 2 * r.shear_N_per_m) / r.weight_N_per_m)
+    rows = [(r.time_s, r.normal_N_per_m, (r.bottom_force_N_per_m + 2 * r.shear_N_per_m) / r.weight_N_per_m)
             for r in simulation.flow()]  # fmt: skip
     end = state(simulation)
     rows = np.array(rows)

@@ -124,7 +124,7 @@ def scaled_silo(factor: float) -> dict[str, float]:
     rows = [record for record in simulation.run() if record.displacement_m > 0.0015]
     names = {"P": "bottom_N_per_m", "T": "shear_N_per_m", "N": "normal_N_per_m"}
     found = {key: float(np.mean([getattr(record, name) for record in rows])) for key, name in names.items()}
-    return found | {"steps": simulation.steps}
+    return found | {"steps": simulation.clock.steps}
 
 
 def measure(full: bool = True) -> list[Measurement]:

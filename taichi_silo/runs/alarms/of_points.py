@@ -8,7 +8,12 @@ from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.wall_pressure import SURFACE
 from taichi_silo.runs.alarms.of_records import Check
 from taichi_silo.runs.certificate import inertial_number, unexplained_densification
+from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.alarm import Alarm
+from taichi_silo.simulation.record import Record
+from taichi_silo.simulation.simulation import Simulation
+
+Points = dict[str, np.ndarray]  # fields of all points, see `Simulation.points`
 
 OUTSIDE = 0.5  # of a cell that the middle of a point may be beyond a wall
 BELOW, BESIDE = 2.0, 1.0  # cells below an opening and beside it: what has passed it spreads, and is soon taken out
@@ -17,7 +22,7 @@ INERTIAL = 1e-2  # dense flow below 1e-3 knows no rate; above 1e-2 friction and 
 SHARE = 99.0  # percentile of the points below the surface
 
 
-def space(scene):
+def space(scene: Scene) -> shapely.Geometry:
     """Where sand may be, in the frame of the grid: the silo and the free height above it, and the opening below it."""
     silo, h = scene.silo, scene.grid.cell_size_m
     left, right = silo.sides
@@ -33,26 +38,24 @@ def space(scene):
     return found
 
 
-class _OfPoints(Check):
-    """Sees the states of all points."""
+class CheckOfPoints(Check):
+    """One kind of wrongness that the states of all points show."""
 
-    def filled(self, points) -> None:
-        """Hear which state the flow starts from."""
+    def filled(self, points: Points) -> None:
+        """Take note of the state from which the flow starts."""
 
 
-class Outside(_OfPoints):
+class Outside(CheckOfPoints):
     """Sand beyond the walls, the floor, or within an insert."""
 
-    def begin(self, simulation) -> None:
-        """The space that sand may be in, where it stands still."""
-        super().begin(simulation)
-        scene = simulation.scene
-        self.reach = OUTSIDE * scene.grid.cell_size_m
-        self.space = space(scene)
+    def __init__(self, simulation: Simulation):
+        super().__init__(simulation)
+        self.reach = OUTSIDE * simulation.scene.grid.cell_size_m
+        self.space = space(simulation.scene)
         shapely.prepare(self.space)
 
-    def look(self, record, points) -> Alarm | None:
-        """Compare; the frame is that of the grid, which sinks with a floor that sinks."""
+    def look(self, record: Record, points: Points) -> Alarm | None:
+        """Find the farthest point beyond, in the frame of the grid, which sinks with a floor that sinks."""
         x, y = (points["position"] - (0.0, self.simulation.origin_m)).T
         beyond = np.flatnonzero(~shapely.contains_xy(self.space, x, y))
         if not len(beyond):
@@ -70,39 +73,36 @@ class Outside(_OfPoints):
         return alarm.at(points["position"][first], points["identity"][first])
 
 
-class _Since(_OfPoints):
-    """Knows an earlier state."""
+class _Since(CheckOfPoints):
+    """Compares with an earlier state."""
 
-    def begin(self, simulation) -> None:
-        """Nothing is known yet."""
-        super().begin(simulation)
-        self.earlier = None
+    def __init__(self, simulation: Simulation):
+        super().__init__(simulation)
+        self.earlier: dict | None = None
 
     def state(self) -> dict:
         """The state to compare with."""
         return {"earlier": self.earlier}
 
-    def restore(self, simulation, kept: dict) -> None:
-        """The state to compare with."""
-        self.begin(simulation)
+    def restore(self, kept: dict) -> None:
+        """Go on with the state to compare with."""
         self.earlier = kept.get("earlier")
 
 
 class Ratcheting(_Since):
     """Void ratio lost without shear: oscillations compact the sand while its force curves still look fine."""
 
-    def begin(self, simulation) -> None:
-        """Nothing is filled yet."""
-        super().begin(simulation)
-        self.rings = None
+    def __init__(self, simulation: Simulation):
+        super().__init__(simulation)
+        self.rings: Rings | None = None
 
-    def filled(self, points) -> None:
+    def filled(self, points: Points) -> None:
         """Keep the state that the flow starts from."""
         self.earlier = points
 
-    def look(self, record, points) -> Alarm | None:
+    def look(self, record: Record, points: Points) -> Alarm | None:
         """Compare the sand that has not been sheared with its state after filling."""
-        if self.earlier is None or self._free:  # sand that falls is not at rest, and lands as it can
+        if self.earlier is None or self.free:  # sand that falls is not at rest, and lands as it can
             return None
         earlier = matched(self.earlier, points)
         if self.rings is None or len(self.rings.index) != len(points["mass"]):  # else it is the same sand as before
@@ -125,11 +125,11 @@ class Ratcheting(_Since):
 class Inertia(_Since):
     """The inertial number of the sheared sand in controlled outflow, since the last look."""
 
-    def look(self, record, points) -> Alarm | None:
-        """Compare."""
+    def look(self, record: Record, points: Points) -> Alarm | None:
+        """Compare the percentile of the points below the surface with the limit."""
         before = self.earlier
         self.earlier = {"identity": points["identity"], "path": points["path"], "time_s": record.time_s}
-        if before is None or record.stage != "flow" or self._free:
+        if before is None or record.stage != "flow" or self.free:
             return None
         scene = self.simulation.scene
         path = points["path"] - matched(before, points)["path"]

@@ -2,10 +2,13 @@
 
 import math
 from collections import deque
+from collections.abc import Callable
 
 import numpy as np
 
 from taichi_silo.simulation.alarm import Alarm
+from taichi_silo.simulation.record import Record
+from taichi_silo.simulation.simulation import Simulation
 
 LONGEST_STEP = 1.5  # over the stable one; beyond, sand ratchets long before it explodes
 LONGEST_FALLING = 4.0  # the same in free outflow, where one point that lands is stiff within a few steps
@@ -15,43 +18,46 @@ FASTEST = 0.3  # of the wave speed: sand that falls through the whole silo stays
 MOST_SEPARATED = 0.5  # of the points: more, and the fill is falling apart
 BALANCE = 1e-6  # of the weight of the filled silo; round-off leaves 1e-15
 STORED = 2.0  # how often over the sand may give back what the stiffness at its stress says that it has stored
-REST = 1e-6  # of the weight times the height, that the books of energy may err by
+REST = 1e-6  # of the weight times the height: error of the sums of energy that is allowed
 SWIFT = 5.0  # kinetic energy of controlled outflow over that of the whole sand at the speed of the outlet
 
 
 class Check:
-    """Knows the simulation; `look` finds an alarm or nothing."""
+    """One kind of wrongness in a simulation; `look` gives an alarm where it finds it."""
 
-    def begin(self, simulation) -> None:
-        """Remember whom to look at."""
+    def __init__(self, simulation: Simulation):
         self.simulation = simulation
 
     def state(self) -> dict:
-        """What it has to know to go on: numbers, words, arrays."""
+        """What it has to know to go on after a break: numbers, words, arrays."""
         return {}
 
-    def restore(self, simulation, kept: dict) -> None:
-        """Go on."""
-        self.begin(simulation)
+    def restore(self, kept: dict) -> None:
+        """Go on from a `state`; empty if there was none."""
 
-    def _at_most(self, alarm: Alarm, measure) -> Alarm:
-        """The alarm at the point where a measure (a function of the points) is greatest."""
+    @property
+    def free(self) -> bool:
+        """Whether sand falls out freely."""
+        return self.simulation.scene.flow.outflow == "gravity" and self.simulation.stage == "flow"
+
+    def at_most(self, alarm: Alarm, measure: Callable[[dict[str, np.ndarray]], np.ndarray]) -> Alarm:
+        """The alarm at the point where a measure of the points is greatest."""
         points = self.simulation.points()
         index = int(np.argmax(measure(points)))
         return alarm.at(points["position"][index], points["identity"][index])
 
-    @property
-    def _free(self) -> bool:
-        """Whether sand falls out freely."""
-        return self.simulation.scene.flow.outflow == "gravity" and self.simulation.stage == "flow"
+
+def speed(points: dict[str, np.ndarray]) -> np.ndarray:
+    """Of points [m/s]."""
+    return np.hypot(*points["velocity"].T)
 
 
 class TimeStep(Check):
     """The step of an interval against the stable one at its end: stress, and with it stiffness, rises within."""
 
-    def look(self, record) -> Alarm | None:
-        """Compare."""
-        limit = LONGEST_FALLING if self._free else LONGEST_STEP
+    def look(self, record: Record) -> Alarm | None:
+        """Compare the step of a record with the stable one at its end."""
+        limit = LONGEST_FALLING if self.free else LONGEST_STEP
         over = record.time_step_s / record.stable_step_s
         if not over > limit:
             return None
@@ -68,9 +74,9 @@ class TimeStep(Check):
 class Speed(Check):
     """The fastest point against waves in the sand."""
 
-    def look(self, record) -> Alarm | None:
-        """Compare."""
-        limit = FASTEST * self.simulation.wave_speed
+    def look(self, record: Record) -> Alarm | None:
+        """Compare the fastest point of a record."""
+        limit = FASTEST * self.simulation.model.wave_speed
         if not record.speed_m_per_s > limit:
             return None
         alarm = Alarm(
@@ -79,14 +85,14 @@ class Speed(Check):
             "the sand", "the computation is exploding", "a smaller time step (cfl), or another shape than linear helps",
             record.speed_m_per_s, limit,
         )  # fmt: skip
-        return self._at_most(alarm, lambda points: np.hypot(*points["velocity"].T))
+        return self.at_most(alarm, speed)
 
 
 class Density(Check):
     """The densest and the loosest point against what sand can be."""
 
-    def look(self, record) -> Alarm | None:
-        """Compare."""
+    def look(self, record: Record) -> Alarm | None:
+        """Compare the extremes of a record."""
         sand = self.simulation.scene.sand
         densest, loosest = DENSEST * sand.e_d0, LOOSEST * sand.e_i0
         if record.void_ratio_low < densest:
@@ -95,7 +101,7 @@ class Density(Check):
                 f"the void ratio falls to {record.void_ratio_low:.3f}{{place}}, below {densest:.3f}, denser than any "
                 "packing", *self._compactor(), record.void_ratio_low, densest,
             )  # fmt: skip
-            return self._at_most(alarm, lambda points: -points["void_ratio"])
+            return self.at_most(alarm, lambda points: -points["void_ratio"])
         if record.void_ratio_high > loosest:
             alarm = Alarm(
                 "void ratio", True,
@@ -103,7 +109,7 @@ class Density(Check):
                 "packing", "sand that separates has not been noticed", "a smaller time step (cfl) helps",
                 record.void_ratio_high, loosest,
             )  # fmt: skip
-            return self._at_most(alarm, lambda points: points["void_ratio"])
+            return self.at_most(alarm, lambda points: points["void_ratio"])
         return None
 
     def _compactor(self) -> tuple[str, str]:
@@ -115,29 +121,28 @@ class Density(Check):
 class Separation(Check):
     """Points without stress in a silo that should be full of sand."""
 
-    def look(self, record) -> Alarm | None:
-        """Compare."""
+    def look(self, record: Record) -> Alarm | None:
+        """Count the points of a record that carry no stress."""
         limit = MOST_SEPARATED * self.simulation.scene.points
-        if record.stage != "flow" or self._free or record.separated <= limit:
+        if record.stage != "flow" or self.free or record.separated <= limit:
             return None
         alarm = Alarm(
             "separation", True,
             f"{record.separated} of {self.simulation.scene.points} points carry no stress, the loosest{{place}}",
             "the fill is falling apart", "a slower bottom lets it follow", record.separated, limit,
         )  # fmt: skip
-        return self._at_most(alarm, lambda points: points["void_ratio"])
+        return self.at_most(alarm, lambda points: points["void_ratio"])
 
 
 class Balance(Check):
     """Forces, weight and inertia: what they leave over is round-off."""
 
-    def begin(self, simulation) -> None:
-        """The weight of the filled silo."""
-        super().begin(simulation)
-        self.limit = BALANCE * simulation.mass * simulation.gravity
+    def __init__(self, simulation: Simulation):
+        super().__init__(simulation)
+        self.limit = BALANCE * simulation.model.mass * simulation.model.gravity  # [N/m]
 
-    def look(self, record) -> Alarm | None:
-        """Compare."""
+    def look(self, record: Record) -> Alarm | None:
+        """Compare the rest of a record."""
         residual = abs(record.residual_N_per_m)
         if residual <= self.limit:  # not so if it is no number
             return None
@@ -150,25 +155,28 @@ class Balance(Check):
 
 
 class _Window(Check):
-    """Sums over the last period."""
+    """Looks at sums over the last period of the column."""
 
-    def begin(self, simulation) -> None:
-        """Nothing is known yet."""
-        super().begin(simulation)
-        self.rows = deque(maxlen=simulation.rows_per_period)
+    def __init__(self, simulation: Simulation):
+        super().__init__(simulation)
+        self.rows: deque[tuple[float, ...]] = deque(maxlen=simulation.scene.output.records_per_period)
 
     def state(self) -> dict:
-        """The rows."""
+        """The terms of the sums."""
         return {"rows": [list(row) for row in self.rows]}
 
-    def restore(self, simulation, kept: dict) -> None:
-        """The rows."""
-        self.begin(simulation)
+    def restore(self, kept: dict) -> None:
+        """Go on with the terms that were there."""
         self.rows.extend(tuple(row) for row in kept.get("rows", ()))
 
-    @property
-    def _full(self) -> bool:
+    def full(self, *row: float) -> bool:
+        """Add the terms of a record; whether there are those of a whole period."""
+        self.rows.append(row)
         return len(self.rows) == self.rows.maxlen
+
+    def total(self, column: int) -> float:
+        """Sum of one of the terms."""
+        return math.fsum(row[column] for row in self.rows)
 
 
 class Energy(_Window):
@@ -178,18 +186,17 @@ class Energy(_Window):
     in its stress at the beginning.
     """
 
-    def begin(self, simulation) -> None:
-        """What its books may err by."""
-        super().begin(simulation)
-        self.rest = REST * simulation.mass * simulation.gravity * simulation.scene.silo.height_m
+    def __init__(self, simulation: Simulation):
+        super().__init__(simulation)
+        weight = simulation.model.mass * simulation.model.gravity
+        self.error = REST * weight * simulation.scene.silo.height_m  # that round-off may make [J/m]
 
-    def look(self, record) -> Alarm | None:
+    def look(self, record: Record) -> Alarm | None:
         """Compare over the last period."""
-        self.rows.append((record.kinetic_gain_J_per_m, record.work_J_per_m, record.stored_J_per_m))
-        if not self._full:
+        if not self.full(record.kinetic_gain_J_per_m, record.work_J_per_m, record.stored_J_per_m):
             return None
-        gain = math.fsum(row[0] for row in self.rows)
-        limit = max(math.fsum(row[1] for row in self.rows), 0.0) + STORED * self.rows[0][2] + self.rest
+        gain, stored = self.total(0), self.rows[0][2]
+        limit = max(self.total(1), 0.0) + STORED * stored + self.error
         if not gain > limit:
             return None
         alarm = Alarm(
@@ -198,22 +205,19 @@ class Energy(_Window):
             f"stress can have given {limit:.3g} J/m", "the computation makes energy of nothing",
             "a smaller time step (cfl) or the noise control helps", gain, limit,
         )  # fmt: skip
-        return self._at_most(alarm, lambda points: np.hypot(*points["velocity"].T))
+        return self.at_most(alarm, speed)
 
 
 class Motion(_Window):
     """Kinetic energy of controlled outflow against that of sand which follows the outlet as one body."""
 
-    def look(self, record) -> Alarm | None:
+    def look(self, record: Record) -> Alarm | None:
         """Compare the mean of the last period."""
         simulation = self.simulation
-        if self._free or record.stage != "flow":
+        if self.free or record.stage != "flow" or not self.full(record.kinetic_energy_J_per_m):
             return None
-        self.rows.append((record.kinetic_energy_J_per_m,))
-        if not self._full:
-            return None
-        limit = SWIFT * 0.5 * simulation.mass * simulation.scene.flow.speed_m_per_s**2
-        mean = math.fsum(row[0] for row in self.rows) / len(self.rows)
+        limit = SWIFT * 0.5 * simulation.model.mass * simulation.scene.flow.speed_m_per_s**2
+        mean = self.total(0) / len(self.rows)
         if mean <= limit:
             return None
         alarm = Alarm(
@@ -223,4 +227,4 @@ class Motion(_Window):
             "it falls or oscillates instead of following", "a slower outflow, smaller cells or the noise control helps",
             mean, limit,
         )  # fmt: skip
-        return self._at_most(alarm, lambda points: np.hypot(*points["velocity"].T))
+        return self.at_most(alarm, speed)

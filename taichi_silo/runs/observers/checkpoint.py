@@ -10,7 +10,6 @@ from taichi_silo.errors import BadInput
 from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.run_folder import CHECKPOINT
 from taichi_silo.scene.scene import Scene
-from taichi_silo.simulation import restart
 from taichi_silo.utils import atomic_write, checked_npz
 from taichi_silo.utils.schema import one_sentence
 
@@ -76,7 +75,7 @@ class Checkpoint(Observer):
 
         """
         self._wait()
-        simulation = restart.of(self.simulation)
+        simulation = self.simulation.state()
         if not all(np.isfinite(values).all() for values in simulation["points"].values()):
             return
         kept = {

@@ -59,7 +59,7 @@ class FilmRecorder(Observer):
         self.simulation, flow = simulation, simulation.scene.flow
         self.head, self.units = film_states.head(simulation.scene.spacing_m)
         # the rest after the filling takes about ten periods; a longer one adds no frames
-        self.filling_span = simulation.filling_time + 10.0 * simulation.period
+        self.filling_span = simulation.model.filling_time + 10.0 * simulation.model.period
         self.free, self.end_of_flow = flow.outflow == "gravity", flow.displacement_m
         if self.free:
             self.end_of_flow = flow.longest_s
@@ -91,7 +91,7 @@ class FilmRecorder(Observer):
         """Which part of the filling, or of the flow, is over."""
         if record.stage == "filling":
             return record.time_s / self.filling_span
-        done = record.time_s - self.simulation.flow_start if self.free else record.displacement_m
+        done = record.time_s - self.simulation.clock.flow_start if self.free else record.displacement_m
         return done / self.end_of_flow
 
     def end(self) -> None:

@@ -10,40 +10,16 @@ import pandas as pd
 from taichi_silo.runs.observers import Observer
 from taichi_silo.utils.appended_file import AppendedFile
 
-FORCES = {
-    "time_s": lambda r: r.time_s,
-    "stage": lambda r: r.stage,
-    "displacement_m": lambda r: r.displacement_m,
-    "bottom_force_N_per_m": lambda r: r.bottom_N_per_m,
-    "left_normal_N_per_m": lambda r: r.left_normal_N_per_m,
-    "left_shear_N_per_m": lambda r: r.left_shear_N_per_m,
-    "right_normal_N_per_m": lambda r: r.right_normal_N_per_m,
-    "right_shear_N_per_m": lambda r: r.right_shear_N_per_m,
-    "wall_friction_angle_deg": lambda r: r.wall_friction_angle_deg,
-    "weight_N_per_m": lambda r: r.weight_N_per_m,
-    "discharged_kg_per_m": lambda r: r.discharged_kg_per_m,
-    "kinetic_energy_J_per_m": lambda r: r.kinetic_energy_J_per_m,
-}
+FORCES = (
+    "time_s", "stage", "displacement_m", "bottom_force_N_per_m", "left_normal_N_per_m", "left_shear_N_per_m",
+    "right_normal_N_per_m", "right_shear_N_per_m", "wall_friction_angle_deg", "weight_N_per_m", "discharged_kg_per_m",
+    "kinetic_energy_J_per_m",
+)  # fmt: skip
 # bottom + shears = weight + momentum_rate - control (+ residual), in every row
-BALANCE = {
-    "time_s": lambda r: r.time_s,
-    "stage": lambda r: r.stage,
-    "momentum_rate_N_per_m": lambda r: r.momentum_rate_N_per_m,
-    "noise_control_force_N_per_m": lambda r: r.control_N_per_m,
-    "residual_N_per_m": lambda r: r.residual_N_per_m,
-    "time_step_s": lambda r: r.time_step_s,
-    "stable_step_s": lambda r: r.stable_step_s,
-}
-
-
-def of_bodies(names) -> dict:
-    """Columns of hopper walls and inserts: force on the sand to the right, and upwards."""
-    axes = ("horizontal", "vertical")
-    return {
-        f"{name}_{axis}_N_per_m": lambda r, name=name, k=k: r.bodies_N_per_m[name][k]
-        for name in names
-        for k, axis in enumerate(axes)
-    }
+BALANCE = (
+    "time_s", "stage", "momentum_rate_N_per_m", "noise_control_force_N_per_m", "residual_N_per_m", "time_step_s",
+    "stable_step_s",
+)  # fmt: skip
 
 
 class Table(Observer):
@@ -52,23 +28,20 @@ class Table(Observer):
     Parameters
     ----------
     file : where to.
-    columns : name and function of a record.
-    bodies : whether columns of hopper walls and inserts follow.
+    columns : of a record.
+    bodies : whether the forces on the sand of hopper walls and inserts follow, to the right and upwards.
 
     """
 
-    def __init__(self, file: Path, columns: dict, bodies: bool = False):
+    def __init__(self, file: Path, columns: tuple[str, ...], bodies: bool = False):
         self.file, self.columns, self.bodies = file, columns, bodies
 
     def begin(self, simulation) -> None:
         """Write the head."""
-        self._name_bodies(simulation)
+        names = simulation.model.wall_forces.bodies if self.bodies else ()
+        further = [f"{name}_{axis}_N_per_m" for name in names for axis in ("horizontal", "vertical")]
         self.rows = AppendedFile(self.file)
-        self._write(self.columns)
-
-    def _name_bodies(self, simulation) -> None:
-        if self.bodies:
-            self.columns = self.columns | of_bodies(simulation.bodies)
+        self._write([*self.columns, *further])
 
     def _write(self, cells) -> None:
         row = io.StringIO(newline="")
@@ -81,12 +54,13 @@ class Table(Observer):
 
     def restore(self, simulation, kept: dict) -> None:
         """Cut off what was written later."""
-        self._name_bodies(simulation)
         self.rows = AppendedFile(self.file, kept["bytes"])
 
     def observe(self, record) -> None:
         """Write a row, with digits enough to check the balance to 1e-9."""
-        values = (read(record) for read in self.columns.values())
+        values = [getattr(record, name) for name in self.columns]
+        if self.bodies:
+            values += [component for force in record.bodies_N_per_m.values() for component in force]
         self._write(value if isinstance(value, str) else f"{value:.13g}" for value in values)
 
     def end(self) -> None:
@@ -94,18 +68,15 @@ class Table(Observer):
         self.rows.close()
 
 
-NAMES = {"bottom_force_N_per_m": "bottom_N_per_m", "noise_control_force_N_per_m": "control_N_per_m"}
-
-
 def rows_of(folder: Path) -> pd.DataFrame:
-    """All records that the files of a run hold, in a record's own names, with N, T and the length of the interval.
+    """All records that the files of a run hold, with N, T and the length of the interval.
 
     A row that one of the files lacks, as when a disk was full, is left out.
     """
     forces, balance = (pd.read_csv(folder / name, encoding="utf-8") for name in ("forces.csv", "balance.csv"))
     count = min(len(forces), len(balance))
     rest = balance.columns.difference(forces.columns)
-    found = pd.concat([forces[:count], balance.loc[: count - 1, rest]], axis=1).rename(columns=NAMES)
+    found = pd.concat([forces[:count], balance.loc[: count - 1, rest]], axis=1)
     for name in ("normal", "shear"):
         found[f"{name}_N_per_m"] = 0.5 * (found[f"left_{name}_N_per_m"] + found[f"right_{name}_N_per_m"])
     return found.assign(interval_s=np.diff(found["time_s"], prepend=0.0))

@@ -23,12 +23,10 @@ class Guard(Observer):
     """
 
     def begin(self, simulation) -> None:
-        """Let the checks know whom to look at."""
+        """Make the checks."""
         self.simulation, self.count = simulation, 0
-        self.of_records = [check() for check in OF_RECORDS]
-        self.of_points = [check() for check in OF_POINTS]
-        for check in (*self.of_records, *self.of_points):
-            check.begin(simulation)
+        self.of_records = [check(simulation) for check in OF_RECORDS]
+        self.of_points = [check(simulation) for check in OF_POINTS]
 
     def state(self) -> dict:
         """Of all checks."""
@@ -40,7 +38,7 @@ class Guard(Observer):
         self.begin(simulation)
         self.count = kept.get("count", 0)
         for check in (*self.of_records, *self.of_points):
-            check.restore(simulation, kept.get("checks", {}).get(type(check).__name__, {}))
+            check.restore(kept.get("checks", {}).get(type(check).__name__, {}))
 
     def filled(self) -> None:
         """Show the checks of points the state that the flow starts from."""
@@ -53,15 +51,15 @@ class Guard(Observer):
         for check in self.of_records:
             self._take(check.look(record))
         self.count += 1
-        if self.count % (EVERY_PERIODS * self.simulation.rows_per_period):
+        if self.count % (EVERY_PERIODS * self.simulation.scene.output.records_per_period):
             return
         points = self.simulation.points()
         if len(points["mass"]):
-            for check in self.of_points:
-                self._take(check.look(record, points))
+            for one in self.of_points:
+                self._take(one.look(record, points))
 
     def _take(self, alarm) -> None:
         simulation = self.simulation
-        if alarm is not None and simulation.alarms.take(alarm, simulation):
+        if alarm is not None and simulation.alarms.enter(alarm, simulation.clock):
             sentence = simulation.alarms.found[alarm.name].sentence
             simulation.warnings.append(f"{sentence[:1].upper()}{sentence[1:]}.")

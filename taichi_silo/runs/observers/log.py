@@ -24,7 +24,7 @@ class Log(Observer):
     def begin(self, simulation) -> None:
         """Say what begins."""
         self.simulation, self.told, self.part = simulation, 0, 0.0
-        self.total = simulation.filling_time + 5.0 * simulation.period + simulation.flow_time
+        self.total = simulation.model.filling_time + 5.0 * simulation.model.period + simulation.model.flow_time
         scene = simulation.scene
         self.stream = open(self.file, "a", buffering=1, encoding="utf-8")  # noqa: SIM115 - see end()
         self.say(
@@ -48,7 +48,7 @@ class Log(Observer):
 
     def filled(self) -> None:
         """Say so."""
-        rest = "at rest" if self.simulation.settled else "not yet at rest"
+        rest = "at rest" if self.simulation.clock.settled else "not yet at rest"
         self.say(f"filled, {rest}")
 
     def observe(self, record) -> None:
@@ -57,7 +57,9 @@ class Log(Observer):
         part = record.time_s / self.total
         if part >= self.part + PART:
             self.part = part
-            p, t, n = (value / 1e3 for value in (record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m))
+            p, t, n = (
+                value / 1e3 for value in (record.bottom_force_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
+            )
             self.say(
                 f"{record.stage}, {100 * min(part, 1.0):.0f} %: u = {1e3 * record.displacement_m:.3f} mm, "
                 f"P {p:.4g}, T {t:.4g}, N {n:.4g} kN/m, step {1e6 * record.time_step_s:.1f} us"

@@ -23,7 +23,7 @@ class ProgressLine(Observer):
 
     def begin(self, simulation) -> None:
         """Say what it will cost, and estimate the whole in simulated seconds."""
-        self._print(simulation.about_averaging, highlight=False, soft_wrap=True)
+        self._print(simulation.model.about_averaging, highlight=False, soft_wrap=True)
         self._start(simulation)
         cost = predict(simulation)
         seconds = cost.core_seconds / runtime.threads()
@@ -44,7 +44,7 @@ class ProgressLine(Observer):
 
     def _start(self, simulation) -> None:
         self.simulation, self.told = simulation, 0
-        self.total = simulation.filling_time + 5.0 * simulation.period + simulation.flow_time
+        self.total = simulation.model.filling_time + 5.0 * simulation.model.period + simulation.model.flow_time
         self.done = min(simulation.time / self.total, 1.0)  # before this process
         self.printed, self.forces, self.text, self.bar = self.done, None, "", None
         self._warn()
@@ -62,7 +62,7 @@ class ProgressLine(Observer):
     def observe(self, record) -> None:
         """Show the present state, and what has been noticed."""
         self._warn()
-        now = (record.bottom_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
+        now = (record.bottom_force_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
         if self.forces is None:
             self.forces = now
         self.forces = tuple(old + SMOOTHING * (new - old) for old, new in zip(self.forces, now, strict=True))

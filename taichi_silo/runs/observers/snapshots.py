@@ -66,11 +66,11 @@ class Snapshots(Observer):
         """How many shares of its stage are over."""
         simulation = self.simulation
         if record.stage == "filling":
-            return int(OF_FILLING * self.between * min(record.time_s / simulation.filling_time, 1.0) + TOLERANCE)
+            return int(OF_FILLING * self.between * min(record.time_s / simulation.model.filling_time, 1.0) + TOLERANCE)
         flow = simulation.scene.flow
         shares = [record.displacement_m / flow.displacement_m]
         if flow.outflow == "gravity":
-            shares.append((record.time_s - simulation.flow_start) / flow.longest_s)
+            shares.append((record.time_s - simulation.clock.flow_start) / flow.longest_s)
         return sum(int(self.between * share + TOLERANCE) for share in shares)
 
     def filled(self) -> None:
@@ -80,7 +80,7 @@ class Snapshots(Observer):
     def end(self) -> None:
         """Write the last state."""
         named = [row for row in self.rows if not row["file"].startswith(snapshot.BETWEEN)]
-        if self.simulation.steps > 0 and named[-1]["time_s"] != self.simulation.time:
+        if self.simulation.clock.steps > 0 and named[-1]["time_s"] != self.simulation.time:
             self._write("end")
 
     def _write(self, name: str) -> None:

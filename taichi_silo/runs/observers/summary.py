@@ -69,7 +69,7 @@ class Summary(Observer):
         """How far the flow has come: of the displacement, or in free outflow of 15 % of the sand."""
         scene = self.simulation.scene
         if scene.flow.outflow == "gravity":
-            return record.discharged_kg_per_m / (EARLY * self.simulation.mass)
+            return record.discharged_kg_per_m / (EARLY * self.simulation.model.mass)
         return record.displacement_m / scene.flow.displacement_m
 
     def filled(self) -> None:
@@ -91,7 +91,7 @@ class Summary(Observer):
     def end(self) -> None:
         """Write the file."""
         simulation, seconds = self.simulation, time.monotonic() - self.started
-        found = {"finished": self.failure is None, "averaging": simulation.about_averaging}
+        found = {"finished": self.failure is None, "averaging": simulation.model.about_averaging}
         found["parts"] = [dataclasses.asdict(part) for part in parts(simulation.scene)]
         if simulation.warnings:
             found["warnings"] = simulation.warnings
@@ -105,15 +105,15 @@ class Summary(Observer):
             except Exception as error:  # noqa: BLE001 - a measure that fails must not cost all others
                 why = f"The {what} could not be measured: {type(error).__name__}: {error}."
                 found["warnings"] = [*found.get("warnings", []), why]
-        if simulation.ledger is not None:
+        if simulation.discharge is not None:
             found["ledger"] = self._ledger()
-        stepping, points = simulation.stepping_seconds, simulation.particles.count
+        stepping, points = simulation.clock.stepping_seconds, simulation.model.particles.count
         found["cost"] = {
             "points": points,
-            "steps": simulation.steps,
-            "time_step_s": simulation.time / max(simulation.steps, 1),
+            "steps": simulation.clock.steps,
+            "time_step_s": simulation.time / max(simulation.clock.steps, 1),
             "seconds": stepping,
-            "particle_steps_per_second": points * simulation.steps / max(stepping, 1e-9),
+            "particle_steps_per_second": points * simulation.clock.steps / max(stepping, 1e-9),
             "wall_seconds": seconds,
         }
         self.found = found
@@ -134,7 +134,7 @@ class Summary(Observer):
     def _measures(self, found: dict):
         """Name and function of each measure that the run has come far enough for; later ones use what is found."""
         simulation, folder = self.simulation, self.file.parent
-        if simulation.steps:
+        if simulation.clock.steps:
             records = cache(lambda: rows_of(folder))
             yield "forces", lambda: self._forces(records())
             yield "certificate", lambda: {"certificate": self._certificate(records())}
@@ -161,7 +161,7 @@ class Summary(Observer):
     def _ledger(self) -> dict:
         """What has left, and whether the books close."""
         simulation = self.simulation
-        gone, first = simulation.whole * simulation.ledger.mass, simulation.mass
+        gone, first = simulation.discharged, simulation.model.mass
         return {
             "discharged_kg_per_m": gone,
             "left_in_silo_kg_per_m": simulation.held_mass,
@@ -170,22 +170,23 @@ class Summary(Observer):
 
     def _forces(self, records: pd.DataFrame) -> dict:
         """State after filling, peaks in flow (means over one period) and residual state."""
-        period = self.simulation.rows_per_period
+        period = self.simulation.scene.output.records_per_period
         filling, flow = records[records.stage == "filling"], records[records.stage == "flow"]
-        found = {"weight_N_per_m": self.simulation.mass * self.simulation.gravity}
+        found = {"weight_N_per_m": self.simulation.model.mass * self.simulation.model.gravity}
         if not filling.empty:
             found["filling"] = _means(at_rest(filling, period))
         if len(flow) < period:
             return found
-        smooth = flow[list(NAMES)].rolling(period, center=True, min_periods=period).mean()
+        smooth = flow[list(NAMES.values())].rolling(period, center=True, min_periods=period).mean()
         found["peak"] = {}
         for name, extreme in (
             ("bottom_N_per_m", "min"), ("shear_N_per_m", "max"), ("normal_N_per_m", "max"),
             ("wall_friction_angle_deg", "max"),
         ):  # fmt: skip
-            where = getattr(smooth[name], f"idx{extreme}")()
+            curve = smooth[NAMES[name]]
+            where = getattr(curve, f"idx{extreme}")()
             found["peak"][f"{extreme}_{name}"] = {
-                "value": float(smooth[name][where]),
+                "value": float(curve[where]),
                 "displacement_m": float(flow.displacement_m[where]),
             }
         found["residual"] = _means(residual(flow))
@@ -194,7 +195,7 @@ class Summary(Observer):
     def _janssen(self, filling: dict) -> dict:
         """Theory at the law's own K0 and at the K measured in the sand, beside the forces after filling."""
         scene, points = self.simulation.scene, self.after_filling
-        ratio = measured_pressure_ratio(points, scene, self.simulation.spacing)
+        ratio = measured_pressure_ratio(points, scene, self.simulation.model.spacing)
         angle = scene.walls.friction_angle_deg
         if scene.walls.kind == "very-rough":
             angle = filling["wall_friction_angle_deg"]
@@ -261,7 +262,10 @@ class Summary(Observer):
 
 
 STATES = ("after_filling", "before", "mid")
-NAMES = ("bottom_N_per_m", "normal_N_per_m", "shear_N_per_m", "wall_friction_angle_deg")
+NAMES = {  # in the summary, and in the records
+    "bottom_N_per_m": "bottom_force_N_per_m", "normal_N_per_m": "normal_N_per_m", "shear_N_per_m": "shear_N_per_m",
+    "wall_friction_angle_deg": "wall_friction_angle_deg",
+}  # fmt: skip
 
 
 def _without_nan(value):
@@ -274,7 +278,7 @@ def _without_nan(value):
 
 
 def _means(rows: pd.DataFrame) -> dict:
-    return {name: float(rows[name].mean()) for name in NAMES}
+    return {name: float(rows[column].mean()) for name, column in NAMES.items()}
 
 
 def measured_pressure_ratio(points: dict, scene, spacing_m: float) -> float:

@@ -2,6 +2,7 @@
 
 import csv
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -9,15 +10,16 @@ from taichi_silo.analysis.measure.overpressure import largest_overpressure
 from taichi_silo.analysis.measure.wall_pressure import cell_mean, clear_of_corner
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.runs.observers import Observer
-from taichi_silo.simulation.discretise import BOTTOM, LEFT, RIGHT
-from taichi_silo.simulation.record import packed, unpacked
-from taichi_silo.simulation.simulation import BODIES
+from taichi_silo.simulation.wall_forces import LEFT, RIGHT, normal_and_shear
 from taichi_silo.utils import atomic_write
 
-SIDES = ((LEFT, 1.0), (RIGHT, -1.0))  # and the sign that makes their normal forces positive
+SIDES = {"left": LEFT, "right": RIGHT}
 BLOCK_PERIODS = 5  # of the column, whose mean makes a flow profile
 MOST_BLOCKS = 64  # that are kept at a time; of more, those in which a wall stress was largest
 BLOCK = ("sunk", "displacement", "profile")  # what is kept of a block
+ROW = (  # and of a record
+    "time_s", "stage", "displacement_m", "interval_s", "left_normal_N_per_m", "right_normal_N_per_m", "profile",
+)  # fmt: skip
 
 
 class WallProfiles(Observer):
@@ -29,7 +31,7 @@ class WallProfiles(Observer):
     def begin(self, simulation) -> None:
         """Start with no state."""
         self.simulation = simulation
-        self.period = simulation.rows_per_period
+        self.period = simulation.scene.output.records_per_period
         self.full = BLOCK_PERIODS * self.period
         self.states: dict[str, tuple[float, float, np.ndarray]] = {}  # state: how far the grid sank, u, profile
         self.block, self.fresh, self.largest = [], 0, 0.0  # the last records, and how many of them no block has
@@ -41,7 +43,7 @@ class WallProfiles(Observer):
         return {
             "largest": self.largest,
             "states": {name: dict(zip(BLOCK, block, strict=True)) for name, block in self.states.items()},
-            "block": packed(self.block),
+            "block": {name: np.array([getattr(record, name) for record in self.block]) for name in ROW},
             "fresh": self.fresh,
             "history": {name: np.array([block[k] for block in self.history]) for k, name in columns},
         }
@@ -49,7 +51,9 @@ class WallProfiles(Observer):
     def restore(self, simulation, kept: dict) -> None:
         """As it was."""
         self.begin(simulation)
-        self.largest, self.block, self.fresh = kept["largest"], unpacked(kept["block"]), kept["fresh"]
+        self.largest, self.fresh = kept["largest"], kept["fresh"]
+        columns = [kept["block"].get(name, ()) for name in ROW]  # an empty block of an earlier version has no profile
+        self.block = [SimpleNamespace(**dict(zip(ROW, row, strict=True))) for row in zip(*columns, strict=True)]
         self.states = {name: tuple(block[key] for key in BLOCK) for name, block in kept["states"].items()}
         history = [list(kept["history"][name]) for name in ("time", *BLOCK)]
         self.history = list(zip(*history, strict=True))
@@ -83,7 +87,7 @@ class WallProfiles(Observer):
         recent = self.block[-count:]
         span = sum(r.interval_s for r in recent)
         profile = sum(r.profile * r.interval_s for r in recent) / span
-        normal = sum(r.normal_N_per_m * r.interval_s for r in recent) / span
+        normal = sum(0.5 * (r.left_normal_N_per_m + r.right_normal_N_per_m) * r.interval_s for r in recent) / span
         return (-self.simulation.origin_m, recent[-1].displacement_m, profile), normal
 
     def end(self) -> None:
@@ -102,32 +106,29 @@ class WallProfiles(Observer):
                     self._write(writer, state, *self.states[state])
 
     def _write(self, writer, state: str, sunk: float, _displacement: float, profile: np.ndarray) -> None:
-        h, grid = self.simulation.scene.grid.cell_size_m, self.simulation.grid
-        sides = ((LEFT, "left", grid.rows, -sunk), (RIGHT, "right", grid.rows, -sunk))
-        for wall, name, slots, origin in (*sides, (BOTTOM, "bottom", self.simulation.columns, 0.0)):
-            coordinate, stress = wall_stress(profile[wall, :slots], h, closed=name == "bottom")
-            normal, shear = (stress[:, 0], stress[:, 1]) if name != "bottom" else (stress[:, 1], stress[:, 0])
-            normal = -normal if name == "right" else normal
-            lowest = -np.inf if name == "bottom" else self.simulation.scene.silo.feet_m[wall] + origin - 1e-9
-            for place, n, t in zip(coordinate + origin, normal, shear, strict=True):
+        scene, model = self.simulation.scene, self.simulation.model
+        h, rows, columns = scene.grid.cell_size_m, model.grid.rows, model.section.columns
+        walls = dict(zip(model.wall_forces.names, profile, strict=True))
+        for name, slots, origin in (("left", rows, -sunk), ("right", rows, -sunk), ("bottom", columns, 0.0)):
+            coordinate, stress = wall_stress(walls[name][:slots], h, closed=name == "bottom")
+            lowest = -np.inf if name == "bottom" else scene.silo.feet_m[SIDES[name]] + origin - 1e-9
+            for place, n, t in zip(coordinate + origin, *normal_and_shear(name, stress), strict=True):
                 if place >= lowest:  # below there is the wall of a hopper
                     writer.writerow([state, name, f"{place:.6g}", f"{n:.6g}", f"{t:.6g}"])
-        for number, name in enumerate(self.simulation.bodies):
+        for number, name in enumerate(model.wall_forces.bodies):
             if name.startswith("hopper"):
-                rows = surface_stress(self.simulation, number, profile[BODIES + number])
-                for place, n, t in zip(*rows, strict=True):
+                for place, n, t in zip(*surface_stress(self.simulation, number, walls[name]), strict=True):
                     writer.writerow([state, name, f"{place:.6g}", f"{n:.6g}", f"{t:.6g}"])
 
     def overpressure(self) -> dict:
         """The largest normal stress on a wall over that after filling, as a pressure cell reads it; empty if none."""
         if not self.history or "filling" not in self.states:
             return {}
-        h, rows = self.simulation.scene.grid.cell_size_m, self.simulation.grid.rows
+        h, rows = self.simulation.scene.grid.cell_size_m, self.simulation.model.grid.rows
 
         def normal(profile):
-            return np.stack(
-                [side * wall_stress(profile[wall, :rows], h, closed=False)[1][:, 0] for wall, side in SIDES]
-            )
+            stresses = {name: wall_stress(profile[row, :rows], h, closed=False)[1] for name, row in SIDES.items()}
+            return np.stack([normal_and_shear(name, stress)[0] for name, stress in stresses.items()])
 
         height = wall_stress(self.states["filling"][2][LEFT, :rows], h, closed=False)[0]
         above = height >= self.simulation.scene.silo.transition_m
@@ -155,12 +156,12 @@ class WallProfiles(Observer):
 
         Without the corner; `height_m` is above the initial bottom.
         """
-        scene, rows, found = self.simulation.scene, self.simulation.grid.rows, {}
+        scene, rows, found = self.simulation.scene, self.simulation.model.grid.rows, {}
         for time, sunk, displacement, profile in self.history:
-            for (wall, sign), name in zip(SIDES, ("left", "right"), strict=True):
-                height, stress = wall_stress(profile[wall, :rows], scene.grid.cell_size_m, closed=False)
+            for name, row in SIDES.items():
+                height, stress = wall_stress(profile[row, :rows], scene.grid.cell_size_m, closed=False)
                 above = height >= scene.silo.transition_m - 1e-9
-                height, stress = height[above], sign * stress[above, 0]
+                height, stress = height[above], normal_and_shear(name, stress[above])[0]
                 read = cell_mean(height, stress)
                 clear = np.flatnonzero(clear_of_corner(height))
                 if not len(clear):  # hardly any vertical wall above a hopper

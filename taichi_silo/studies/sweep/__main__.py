@@ -23,7 +23,7 @@ class Part(Observer):
 
     def observe(self, record) -> None:
         """Say it, if it has grown."""
-        part = min(self.simulation.steps / self.steps, 0.99)
+        part = min(self.simulation.clock.steps / self.steps, 0.99)
         if part >= self.said + SAID_EVERY:
             self.said = part
             print(f"{part:.3f}", flush=True)

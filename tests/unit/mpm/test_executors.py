@@ -64,7 +64,7 @@ def stepped(name, how=ALONE, arch="cpu"):
         silo = Simulation(Scene(flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), machine=machine, **given))
     silo.solver.advance(100, 2e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
     reaction, control = silo.solver.impulses.read_and_reset()
-    return silo.particles.arrays() | {"reaction": reaction, "control": control}, silo.solver
+    return silo.model.particles.arrays() | {"reaction": reaction, "control": control}, silo.solver
 
 
 @functools.cache

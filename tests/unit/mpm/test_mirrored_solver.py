@@ -5,12 +5,12 @@ import pytest
 
 from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
-from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.solver import Solver
 from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
-from taichi_silo.scene.symmetry import half_model, whole_points, whole_profile
-from taichi_silo.simulation import simulation
-from taichi_silo.simulation.simulation import BOTTOM, LEFT, RIGHT, Simulation
+from taichi_silo.scene.symmetry import half_model, whole_points
+from taichi_silo.simulation import model
+from taichi_silo.simulation.simulation import Simulation
+from taichi_silo.simulation.wall_forces import mirrored
 
 CELL, ACROSS, HIGH = 0.02, 6, 8
 VARIANTS = [
@@ -46,8 +46,8 @@ def points_after(steps, half, **choices):
     silo.solver.advance(steps, 2e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
     points = silo.points()
     del points["identity"]  # images have numbers of their own
-    rows = round(silo.scene.silo.height_m / silo.spacing)
-    if silo.half:  # the images of a row follow its points, from right to left
+    rows = round(silo.scene.silo.height_m / silo.model.spacing)
+    if silo.model.section.half:  # the images of a row follow its points, from right to left
         points = {
             name: np.concatenate(
                 [values[: len(values) // 2].reshape(rows, -1, *values.shape[1:]),
@@ -56,7 +56,7 @@ def points_after(steps, half, **choices):
             for name, values in points.items()
         }  # fmt: skip
     reaction = silo.solver.impulses.read_and_reset()[0]
-    return points, whole_profile(reaction, silo.columns) if silo.half else reaction
+    return points, mirrored(reaction, silo.model.section.columns) if silo.model.section.half else reaction
 
 
 @pytest.mark.parametrize("choices", VARIANTS, ids=lambda v: " ".join(str(value) for value in v.values()))
@@ -78,7 +78,7 @@ def test_P_T_N_and_the_balance_of_a_run_are_those_of_the_whole(walls):
     weight = whole[-1].weight_N_per_m
     assert len(whole) == len(half)
     for a, b in zip(whole, half, strict=True):
-        for name in ("bottom_N_per_m", "shear_N_per_m", "normal_N_per_m", "control_N_per_m"):
+        for name in ("bottom_N_per_m", "shear_N_per_m", "normal_N_per_m", "noise_control_force_N_per_m"):
             assert getattr(b, name) == pytest.approx(getattr(a, name), abs=1e-9 * weight), name
         assert b.kinetic_energy_J_per_m == pytest.approx(a.kinetic_energy_J_per_m, rel=1e-6)
         assert b.weight_N_per_m == pytest.approx(a.weight_N_per_m, rel=1e-12)
@@ -90,7 +90,7 @@ def test_P_T_N_and_the_balance_of_a_run_are_those_of_the_whole(walls):
 def test_a_smooth_plate_along_the_axis_alone_would_not_do(monkeypatch):
     """Nodes beyond the axis that do not know of the other half cost a thousandth of the forces."""
     whole = forces(started("no"))
-    monkeypatch.setattr(simulation, "MirroredSolver", Solver)
+    monkeypatch.setattr(model, "MirroredSolver", Solver)
     plate = forces(started("yes"))
     count = min(len(whole), len(plate))
     assert np.abs(plate[:count] - whole[:count]).max() > 1e-4 * whole[-1, 0]
@@ -106,20 +106,6 @@ def test_a_mirror_turns_shear_and_horizontal_velocity_and_nothing_else():
     assert list(whole["velocity"][1]) == [-1.0, 2.0]
     assert list(whole["stress"][1]) == [-1.0, -2.0, -3.0, -0.5]
     assert list(whole["mass"]) == [5.0, 5.0]
-
-
-def test_the_bottoms_node_on_the_axis_bears_both_halves():
-    cells, slots = 6, 12
-    columns = cells + 1 + 2 * MARGIN
-    half = np.zeros((3, slots, 2))
-    half[0, :, 0], half[0, :, 1] = 2.0, 3.0
-    half[2, MARGIN : MARGIN + cells // 2 + 1] = [[0.1, 4.0], [0.2, 5.0], [0.3, 6.0], [0.0, 7.0]]
-    whole = whole_profile(half, columns)
-    bottom = whole[BOTTOM, MARGIN : MARGIN + cells + 1]
-    assert list(bottom[:, 1]) == [4.0, 5.0, 6.0, 14.0, 6.0, 5.0, 4.0]
-    assert list(bottom[:, 0]) == [0.1, 0.2, 0.3, 0.0, -0.3, -0.2, -0.1]
-    assert whole[BOTTOM].sum(axis=0) == pytest.approx([0.0, 2.0 * half[2, :, 1].sum()])
-    assert (whole[RIGHT, :slots] == whole[LEFT, :slots] * [-1.0, 1.0]).all()
 
 
 def test_smooth_walls_are_halved_by_themselves_and_an_odd_number_of_cells_never():

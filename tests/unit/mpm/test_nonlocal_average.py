@@ -185,13 +185,13 @@ def test_a_non_local_step_differs_from_a_local_one():
             averaging=Averaging(characteristic_length_m=length),
         )  # fmt: skip
         simulation = Simulation(scene)
-        state = simulation.particles.arrays()
-        count = simulation.particles.count
+        state = simulation.model.particles.arrays()
+        count = simulation.model.particles.count
         state["stress"] = np.tile([-3e3, -5e3, -3e3, 0.0], (count, 1))
         state["velocity"] = np.random.default_rng(4).normal(0.0, 0.01, (count, 2))
-        simulation.particles.load(state)
+        simulation.model.particles.load(state)
         simulation.solver.advance(150, 1e-5, gravity=(0.0, 9.81), plate_velocity=(0.0, -0.02))
-        ends.append(simulation.particles.arrays()["stress"])
+        ends.append(simulation.model.particles.arrays()["stress"])
         assert not length or simulation.solver.averaging.rows.pairs > 10 * count
     assert np.abs(ends[0] - ends[1]).max() > 1e-4 * np.abs(ends[0]).max()
 
