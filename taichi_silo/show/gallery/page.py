@@ -33,7 +33,7 @@ class Still:
 
 
 @dataclass(frozen=True)
-class Entry:
+class GalleryEntry:
     """A run: its name, what it is, what became of it, numbers (name, value), films and figures."""
 
     name: str
@@ -44,7 +44,7 @@ class Entry:
     figures: tuple[Still, ...]
 
 
-def gather(root: Path, page: Path, seen: Callable[[int, int], None] = lambda number, count: None) -> list[Entry]:
+def gather(root: Path, page: Path, seen: Callable[[int, int], None] = lambda number, count: None) -> list[GalleryEntry]:
     """What the page in the folder `page` shows of the runs below `root`.
 
     Parameters
@@ -69,7 +69,7 @@ def gather(root: Path, page: Path, seen: Callable[[int, int], None] = lambda num
     return entries
 
 
-def write(entries: list[Entry], page: Path, title: str) -> Path:
+def write(entries: list[GalleryEntry], page: Path, title: str) -> Path:
     """Write the page into a folder; it is there when it is complete, or not at all."""
     template = Path(__file__).with_name("page.html.j2")
     text = html.render(template, entries=entries, title=title, version=version("taichi-silo"))
@@ -79,7 +79,7 @@ def write(entries: list[Entry], page: Path, title: str) -> Path:
     return page / PAGE
 
 
-def _entry(folder: Path, root: Path, page: Path) -> Entry:
+def _entry(folder: Path, root: Path, page: Path) -> GalleryEntry:
     """A run as the page in the folder `page` shows it."""
     run, share = Result(folder, tolerant=True), NEAR_END
     try:
@@ -96,7 +96,7 @@ def _entry(folder: Path, root: Path, page: Path) -> Entry:
     pictures = {folder / "figures" / f"{name}.png": words for name, words in FIGURES.items()}
     figures = {file: (words, html.picture_of(file)) for file, words in pictures.items()}
     name = folder.relative_to(root).as_posix() if folder != root else folder.resolve().name
-    return Entry(name, *words, _stills(films, page), _stills(figures, page))
+    return GalleryEntry(name, *words, _stills(films, page), _stills(figures, page))
 
 
 def _stills(found: dict, page: Path) -> tuple[Still, ...]:

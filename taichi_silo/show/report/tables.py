@@ -23,7 +23,7 @@ NAMES = {"K0 of the law": "K₀ of the law", "measured K": "K in the sand"}  # o
 
 
 @dataclass(frozen=True)
-class Table:
+class ReportTable:
     """Head, rows of words, and a note below; the first column names the rows."""
 
     head: tuple[str, ...]
@@ -31,7 +31,7 @@ class Table:
     note: str = ""
 
 
-def force_table(run: Result) -> Table:
+def force_table(run: Result) -> ReportTable:
     """Table of P, T, N and the wall friction angle in three states, and Janssen's theory after filling."""
     forces, theory = forces_of(run), run.summary.get("janssen") or {}
     origins = [key for key in ORIGINS if f"normal_N_per_m_{key}" in theory]
@@ -47,7 +47,7 @@ def force_table(run: Result) -> Table:
         sideways = run.scene.silo.section == "plane" and column.endswith("_horizontal_N_per_m")  # round: none in sum
         if sideways or column.endswith("_vertical_N_per_m"):
             rows.append(_of_body(run, column, len(origins)))
-    return Table(tuple(head), tuple(rows), _force_note(run, theory))
+    return ReportTable(tuple(head), tuple(rows), _force_note(run, theory))
 
 
 def _theory(one: Force, theory: dict, name: str, key: str) -> str:
@@ -95,7 +95,7 @@ def _force_note(run: Result, theory: dict) -> str:
     return words
 
 
-def stress_table(run: Result) -> Table | None:
+def stress_table(run: Result) -> ReportTable | None:
     """Table of wall normal stresses at some heights, with Janssen and EN 1991-4; None without wall profiles."""
     sides, silo = ("left", "right") if run.lopsided else ("both",), run.scene.silo
     if not len(wall_profile(run, "filling", wall=sides[0])[0]):
@@ -127,7 +127,7 @@ def stress_table(run: Result) -> Table | None:
         )
         limits = ((run.summary.get("theory") or {}).get("eurocode") or {}).get("limits") or []
         note += "".join(f" {limit}" for limit in limits)
-    return Table(tuple(head), tuple(rows), note)
+    return ReportTable(tuple(head), tuple(rows), note)
 
 
 def _read(run: Result, state: str, sides: tuple[str, ...], height_m: float) -> str:
@@ -139,7 +139,7 @@ def _read(run: Result, state: str, sides: tuple[str, ...], height_m: float) -> s
     return " / ".join(values)
 
 
-def hopper_table(run: Result) -> Table | None:
+def hopper_table(run: Result) -> ReportTable | None:
     """Normal stresses on a hopper's walls at some heights, beside Walker's theory; None without its profiles."""
     if run.scene.silo.hopper is None or not len(run.profile("filling", "hopper_left")[0]):
         return None
@@ -153,7 +153,7 @@ def hopper_table(run: Result) -> Table | None:
         rows.append((f"{1e3 * height:.0f}", *row))
     note = f"Normal stress in kPa on the inclined walls, mean of both over {mm(HOPPER_CELL_M)}; height over the outlet."
     limit = (run.summary.get("theory") or {}).get("walker_limit")
-    return Table(head, tuple(rows), note + (f" Walker's theory does not hold here: {limit}." if limit else ""))
+    return ReportTable(head, tuple(rows), note + (f" Walker's theory does not hold here: {limit}." if limit else ""))
 
 
 def _on_hopper(run: Result, state: str, height_m: float) -> str:
@@ -182,7 +182,7 @@ def _by_walker(law: WalkerHopper | None, height_m: float) -> str:
     return NONE if law is None else kPa(float(law.normal_stress_Pa(law.outlet_height_m + height_m)))
 
 
-def wall_zone_table(run: Result) -> Table | None:
+def wall_zone_table(run: Result) -> ReportTable | None:
     """Table of the thickness of the shear zones along the walls; None if none was measured."""
     zones = run.summary.get("shear_zones") or {}
     rows = []
@@ -199,10 +199,10 @@ def wall_zone_table(run: Result) -> Table | None:
     note = (
         "Zones along the vertical lines of the walls; beside a hopper there are none." if run.scene.silo.hopper else ""
     )
-    return Table(("zone along the", "kind", "thickness, median", "quartiles", "over d50"), tuple(rows), note)
+    return ReportTable(("zone along the", "kind", "thickness, median", "quartiles", "over d50"), tuple(rows), note)
 
 
-def inner_zone_table(run: Result) -> Table | None:
+def inner_zone_table(run: Result) -> ReportTable | None:
     """Table of the shear zones inside the sand; None if there are none."""
     zones = (run.summary.get("zones_inside") or {}).get("zones") or []
     head = ("zone", "kind", "length", "thickness", "over d50", "inclination", "radius of curvature")
@@ -215,7 +215,7 @@ def inner_zone_table(run: Result) -> Table | None:
         thickness = _zone(zone.get("thickness_m"))
         over = number(zone.get("thickness_over_d50"))
         rows.append((f"{count}", zone.get("kind") or NONE, _zone(zone.get("length_m")), thickness, over, angle, radius))
-    return Table(head, tuple(rows)) if rows else None
+    return ReportTable(head, tuple(rows)) if rows else None
 
 
 def _zone(length_m: float | None) -> str:
@@ -223,7 +223,7 @@ def _zone(length_m: float | None) -> str:
     return NONE if length_m is None else mm(length_m, 3)
 
 
-def residence_table(run: Result) -> Table | None:
+def residence_table(run: Result) -> ReportTable | None:
     """Table of how long the sand stays in the silo; None where that was not measured."""
     found = run.summary.get("residence")
     if not found:
@@ -234,4 +234,4 @@ def residence_table(run: Result) -> Table | None:
         f"Time until that share of the leaving sand has left, over the time in which a silo that moves as one block "
         f"empties ({number(found['plug_time_s'])} s), if the flow went on as it is at the end."
     )
-    return Table(head, (("time over plug flow", *times, per_cent(found["never_share"])),), note)
+    return ReportTable(head, (("time over plug flow", *times, per_cent(found["never_share"])),), note)

@@ -61,7 +61,7 @@ CHECKS = (  # name, key of the certificate, upper limit of the size, of which ru
 
 
 @dataclass(frozen=True)
-class Check:
+class CertificateCheck:
     """One number of the certificate.
 
     Attributes
@@ -87,7 +87,7 @@ class Verdict:
     level: str
     title: str
     words: str
-    checks: tuple[Check, ...]
+    checks: tuple[CertificateCheck, ...]
 
 
 def verdict(run: Result) -> Verdict:
@@ -115,7 +115,7 @@ def verdict(run: Result) -> Verdict:
     return Verdict("good", "The flow is quasi-static and clean", sentence(count), checks)
 
 
-def _checks(run: Result) -> Iterator[Check]:
+def _checks(run: Result) -> Iterator[CertificateCheck]:
     """Each number of the certificate that the run has."""
     found, walls = (run.summary.get("certificate") or {}) | (run.summary.get("ledger") or {}), run.scene.walls.kind
     block = walls == "smooth" and run.scene.silo.floor_is_outlet  # sand sinks as one block, and should not deform
@@ -125,15 +125,16 @@ def _checks(run: Result) -> Iterator[Check]:
         if value is None or value == []:
             continue
         if key == SETTLED:
-            yield Check(name, means, "yes" if value else "no", "should be yes", bool(value))
+            yield CertificateCheck(name, means, "yes" if value else "no", "should be yes", bool(value))
         elif key == ENERGY:
             low, high = RIGID[walls]
             words = f"limit {plain(low)} to {plain(high)}" if low else f"limit ≤ {plain(high)}"
             passed = low <= min(value) and max(value) <= high
-            yield Check(name, means, f"{number(value[0], 2)} to {number(value[-1], 2)}", words, passed)
+            yield CertificateCheck(name, means, f"{number(value[0], 2)} to {number(value[-1], 2)}", words, passed)
         elif kind not in kinds:
-            yield Check(name, means, number(value, 2), "no limit here", None)
+            yield CertificateCheck(name, means, number(value, 2), "no limit here", None)
         else:
             limit = LONGEST_FALLING if key == STEP and run.free else limit
             words = f"limit {'±' if key == DRIFT else '≤ '}{plain(limit)}"
-            yield Check(name, means, number(value, 2), words, bool((abs(value) if key == DRIFT else value) <= limit))
+            passed = bool((abs(value) if key == DRIFT else value) <= limit)
+            yield CertificateCheck(name, means, number(value, 2), words, passed)
