@@ -107,10 +107,13 @@ def test_overwriting_leaves_nothing_of_the_earlier_run(tmp_path, bare):
 @pytest.mark.parametrize(
     "changes",
     [
-        {"silo": {"width_m": 0.1, "height_m": 0.1}, "flow": {"speed_m_per_s": 0.02, "displacement_m": 0.002}},
+        pytest.param(
+            {"silo": {"width_m": 0.1, "height_m": 0.1}, "flow": {"speed_m_per_s": 0.02, "displacement_m": 0.002}},
+            marks=pytest.mark.long,
+        ),
         {"flow": {"speed_m_per_s": 0.3, "displacement_m": 0.002}},
         {"flow": {"speed_m_per_s": 0.02, "displacement_m": 1e-7}},
-        {"flow": {"speed_m_per_s": 0.1, "displacement_m": 0.08}},
+        pytest.param({"flow": {"speed_m_per_s": 0.1, "displacement_m": 0.08}}, marks=pytest.mark.long),
         pytest.param({"grid": {"cell_size_m": 0.05, "points_per_cell": 4}}, marks=pytest.mark.long),
         pytest.param(
             {"method": {"noise_control": "none", "filling_time_s": 0.2, "longest_settling_s": 0.1}},
