@@ -18,6 +18,7 @@ from taichi_silo.mpm.shapes import UniformGimp
 from taichi_silo.mpm.simd import selftest, trial
 from taichi_silo.mpm.solver import Solver
 
+LANES = True  # see conftest.py
 SCRIPT = """
 import numpy as np
 import taichi as ti
