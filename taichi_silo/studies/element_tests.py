@@ -106,11 +106,7 @@ class ElementScene(MethodOptions):
 def curve_of(scene: ElementScene) -> Iterator[tuple]:
     """The rows of curve.csv (see COLUMNS); Taichi has been started.
 
-    Raises
-    ------
-    RunFailed
-        if the law cannot follow the path.
-
+    Raises RunFailed if the law cannot follow the path.
     """
     try:
         if scene.through == "mpm":

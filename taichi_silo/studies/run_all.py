@@ -16,13 +16,7 @@ def run_all(runs: dict[str, Run], output: Path) -> None:
     runs : by their names.
     output : folder that holds theirs; made if it is not there.
 
-    Raises
-    ------
-    BadInput
-        if the folder cannot be written.
-    RunFailed
-        if some fail, after all have ended; it names the first.
-
+    Raises BadInput if the folder cannot be written; RunFailed if some fail, after all have ended; it names the first.
     """
     missing = {name: run for name, run in runs.items() if not run.finished}
     for name in runs:

@@ -82,10 +82,7 @@ def mean_velocity(
     velocity : (k, 2) [m/s].
     index : (k,) of the points in `before`.
 
-    Raises
-    ------
-    ValueError : if numbers of points differ and there are no identities, or if the interval is not positive.
-
+    Raises ValueError if numbers of points differ and there are no identities, or if the interval is not positive.
     """
     before, after = np.asarray(before, float), np.asarray(after, float)
     if not interval_s > 0.0:
@@ -127,11 +124,8 @@ def flow_pattern(
     layer : thickness of the wall layer, and height that its speeds are means over, as a fraction of the width.
     surface : fraction of the fill height above which a moving wall layer is the free surface's.
 
-    Raises
-    ------
-    ValueError : if a length or the reference speed is not positive, lengths of arrays differ, or there are fewer
-        than four points.
-
+    Raises ValueError if a length or the reference speed is not positive, lengths of arrays differ, or there are fewer
+    than four points.
     """
     for name, value in (("width", width_m), ("fill height", fill_height_m), ("speed", reference_speed_m_per_s)):
         if not value > 0.0:

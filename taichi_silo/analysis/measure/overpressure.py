@@ -68,10 +68,7 @@ def largest_overpressure(
     corner_m : height above the lowest node that no cell may reach into [m].
     least_share : of the greatest filling stress of a wall, below which (at the top) there is no factor.
 
-    Raises
-    ------
-    ValueError : if shapes do not fit or heights do not rise.
-
+    Raises ValueError if shapes do not fit or heights do not rise.
     """
     time, height = np.atleast_1d(np.asarray(time_s, float)), np.asarray(height_m, float)
     stress, filling = np.asarray(normal_stress_Pa, float), np.asarray(filling_stress_Pa, float)

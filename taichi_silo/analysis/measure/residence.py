@@ -76,11 +76,8 @@ def residence(
     quantiles : levels between 0 and 1.
     longest : plug-flow times after which sand counts as never leaving.
 
-    Raises
-    ------
-    ValueError : if the width or the outflow is not positive, the outlet is empty or not between the walls, lengths of
-        arrays differ, or there are fewer than four points.
-
+    Raises ValueError if the width or the outflow is not positive, the outlet is empty or not between the walls, lengths
+    of arrays differ, or there are fewer than four points.
     """
     left, right = outlet_m or (0.0, width_m)
     if not width_m > 0.0 or not outflow_m2_per_s > 0.0:

@@ -92,10 +92,7 @@ def shear_zones(
         without it); 0.02 widths and a spacing at least, if not told. Zones thicker than ten of it may break up in
         noise.
 
-    Raises
-    ------
-    ValueError : if the width is not positive, lengths of arrays differ, or there are fewer than 25 points.
-
+    Raises ValueError if the width is not positive, lengths of arrays differ, or there are fewer than 25 points.
     """
     if not width_m > 0.0:
         raise ValueError(f"width is {width_m}; it must be positive")

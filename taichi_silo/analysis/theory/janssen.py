@@ -143,10 +143,7 @@ def pressure_ratio_from_normal_force(
     N_max = W / (2 mu), or W / mu of a round silo, where friction carries the whole weight. The bounds
     1 - 1/x <= N / N_max <= x/2 enclose x.
 
-    Raises
-    ------
-    ValueError
-        If the force is not between 0 and N_max, so that no K belongs to it.
+    Raises ValueError if the force is not between 0 and N_max, so that no K belongs to it.
     """
     force = float(normal_force_N_per_m)
     unit = Janssen(width_m, height_m, weight_density_N_per_m3, wall_friction_angle_deg, 1.0, section)

@@ -47,10 +47,8 @@ def filling_factor(half_angle_deg: float, wall_friction: float) -> float:
 def discharge_factor(half_angle_deg: float, wall_friction: float, internal_friction_angle_deg: float) -> float:
     """F = p_n / sigma_v on discharge, of a passive state that slides on the wall; phi_w counts up to phi_i.
 
-    Raises
-    ------
-    ValueError
-        If phi_i is not in (0, 90), or no passive state belongs to so wide a hopper: 2 beta + eps must be under 180.
+    Raises ValueError if phi_i is not in (0, 90), or no passive state belongs to so wide a hopper: 2 beta + eps must be
+    under 180.
     """
     if not 0.0 < internal_friction_angle_deg < 90.0:
         raise ValueError(f"internal_friction_angle_deg must be in (0, 90), got {internal_friction_angle_deg}")

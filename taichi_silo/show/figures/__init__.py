@@ -49,11 +49,7 @@ def plot_response(table: pd.DataFrame, varied: list[str], response, target: Path
 def draw_all(figures: dict[str, Callable], data, target: Path) -> list[Path]:
     """Draw figures, given by their names as functions of the data, into a folder; returns the paths of those with data.
 
-    Raises
-    ------
-    BadInput
-        if the folder or a file in it is a link.
-
+    Raises BadInput if the folder or a file in it is a link.
     """
     no_link(target, *(target / f"{name}.png" for name in figures))
     target.mkdir(parents=True, exist_ok=True)

@@ -53,11 +53,7 @@ def gather(root: Path, page: Path, seen: Callable[[int, int], None] = lambda num
     page : folder of the page.
     seen : hears how many of how many runs are done.
 
-    Raises
-    ------
-    BadInput
-        if there is no run with a film or a figure.
-
+    Raises BadInput if there is no run with a film or a figure.
     """
     found, entries = sorted({file.parent for file in root.rglob(MADE)}), []
     for number, folder in enumerate(found, 1):

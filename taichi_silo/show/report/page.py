@@ -53,11 +53,7 @@ def write_report(folder: Path, file: Path | None = None) -> Path:
     folder : of the run, finished or not.
     file : where to; `report.html` in the folder if absent.
 
-    Raises
-    ------
-    BadInput
-        if the folder holds no run of a silo, or the file cannot be written.
-
+    Raises BadInput if the folder holds no run of a silo, or the file cannot be written.
     """
     run = Result(folder, tolerant=True)
     run.scene  # noqa: B018 - which no report can do without

@@ -64,11 +64,7 @@ def read(file: Path) -> Measured:
 
     Lines that begin with # and columns of remarks are passed over.
 
-    Raises
-    ------
-    BadInput
-        if it cannot be read, or a column or a value is not as it must be.
-
+    Raises BadInput if it cannot be read, or a column or a value is not as it must be.
     """
     file = bounded_reading.place(file)
     text = bounded_reading.content(file, "a table", LARGEST)

@@ -54,11 +54,8 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, csv: list[Path
     janssen : whether theory is wanted.
     csv : files of measurements.
 
-    Raises
-    ------
-    BadInput
-        before anything is written: if a folder or a file is not what it must be, or there is nothing to compare with.
-
+    Raises BadInput before anything is written: if a folder or a file is not what it must be, or there is nothing to
+    compare with.
     """
     output, runs = place(output, "output"), read_runs(folders)
     measured = [read(file) for file in csv]
@@ -85,11 +82,7 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, csv: list[Path
 def read_runs(folders: list[Path]) -> list[Result]:
     """Runs labelled by the shortest ends of their paths that differ.
 
-    Raises
-    ------
-    BadInput
-        if a folder holds no run of a silo, holds no forces yet, or is given twice.
-
+    Raises BadInput if a folder holds no run of a silo, holds no forces yet, or is given twice.
     """
     places = [Result(folder).folder.resolve() for folder in folders]
     for folder, place_ in zip(folders, places, strict=True):

@@ -175,14 +175,7 @@ class Scheduler(Options):
 
     @contextlib.contextmanager
     def pool(self, folder: Path, runs: int, retries: int) -> Iterator[ProcessPool]:
-        """What does the runs.
-
-        Raises
-        ------
-        BadInput
-            if the scheduler does not answer.
-
-        """
+        """What does the runs; raises BadInput if the scheduler does not answer."""
         from distributed import Client
 
         with dask_settings(retries):

@@ -102,11 +102,7 @@ def _range(path: str, given) -> Span | Choices:
 def checked(kind: type[Kind], given: dict, before: str = "") -> Kind:
     """Of what a file holds under the dotted name `before`.
 
-    Raises
-    ------
-    BadInput
-        if a name is unknown, with the one that was perhaps meant, or a value is not possible.
-
+    Raises BadInput if a name is unknown, with the one that was perhaps meant, or a value is not possible.
     """
     for name in given:
         if name not in kind.model_fields:

@@ -77,14 +77,7 @@ class Sweep(Options):
         return list(self.grid if self.latin_hypercube is None else self.latin_hypercube.between)
 
     def scenes(self) -> dict[str, Scene]:
-        """All, by the names of their runs.
-
-        Raises
-        ------
-        BadInput
-            if nothing varies, or a scene is not possible.
-
-        """
+        """All, by the names of their runs; raises BadInput if nothing varies, or a scene is not possible."""
         if self.grid and self.latin_hypercube is not None:
             raise BadInput("a sweep has a grid or a latin_hypercube, not both; choices of the latter may be words, too")
         if isinstance(self.scene, dict):
@@ -111,14 +104,7 @@ class Sweep(Options):
 
 
 def read(file: Path) -> Sweep:
-    """The sweep of a file.
-
-    Raises
-    ------
-    BadInput
-        if it cannot be read, or its values are not possible.
-
-    """
+    """The sweep of a file; raises BadInput if it cannot be read, or its values are not possible."""
     file = bounded_reading.place(file)
     tables = bounded_reading.toml(file, "a sweep")
     try:
@@ -130,11 +116,7 @@ def read(file: Path) -> Sweep:
 def from_tables(tables: dict, beside: Path) -> Sweep:
     """The sweep of a file's tables; files are named from the folder `beside`.
 
-    Raises
-    ------
-    BadInput
-        if its values are not possible.
-
+    Raises BadInput if its values are not possible.
     """
     tables = dict(tables)
     for name in ("grid", "latin_hypercube", "response", "cluster"):
@@ -169,11 +151,7 @@ def from_tables(tables: dict, beside: Path) -> Sweep:
 def from_flags(files: list[Path], texts: list[str]) -> Sweep:
     """The sweep of scene files with every combination of `PATH=V1,V2,...` each.
 
-    Raises
-    ------
-    BadInput
-        if a text does not read so, or a path is there twice.
-
+    Raises BadInput if a text does not read so, or a path is there twice.
     """
     grid = {}
     for text in texts:
@@ -193,11 +171,7 @@ def from_command_line(file: Path | None, files: list[Path], texts: list[str], fl
     files, texts : instead of it, scenes and what varies.
     flags : fidelity, film, jobs, scheduler and slurm; those that are given come before what the file says.
 
-    Raises
-    ------
-    BadInput
-        if that is not possible.
-
+    Raises BadInput if that is not possible.
     """
     if file is not None and (files or texts):
         raise BadInput(f"vary and scene are flags of a sweep without a file; {file} must say what varies")

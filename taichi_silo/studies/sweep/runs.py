@@ -76,13 +76,8 @@ class Run:
         ----------
         extra : further observers.
 
-        Raises
-        ------
-        BadInput
-            if the folder cannot be written, or another process does not let go of it.
-        RunFailed, Stopped
-            as `session.run`.
-
+        Raises BadInput if the folder cannot be written, or another process does not let go of it; RunFailed, Stopped as
+        `session.run`.
         """
         if not self.folder.parent.is_dir():
             here = f"output {self.folder.parent} is not there on {platform.node()}"
@@ -125,11 +120,7 @@ def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
 
     Starts Taichi.
 
-    Raises
-    ------
-    BadInput
-        if a processor cannot be used, or the memory does not suffice.
-
+    Raises BadInput if a processor cannot be used, or the memory does not suffice.
     """
     paces: dict[tuple, list[float]] = {}  # seconds of a point and step
     found = {}

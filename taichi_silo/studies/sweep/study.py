@@ -81,12 +81,8 @@ class Study:
     def run(self) -> None:
         """Do what is missing, and leave table and figures; `failures` says which runs failed.
 
-        Raises
-        ------
-        BadInput
-            if the folder cannot be written or another sweep has it, a processor is not there, or a scheduler does not
-            answer.
-
+        Raises BadInput if the folder cannot be written or another sweep has it, a processor is not there, or a
+        scheduler does not answer.
         """
         for machine in {run.scene.machine for run in self.missing.values()}:
             machine.start()

@@ -101,11 +101,7 @@ class Response(Options):
     def check(self, columns: list[str]) -> None:
         """Refuse what the table of these varied columns does not hold.
 
-        Raises
-        ------
-        BadInput
-            with the name that was perhaps meant.
-
+        Raises BadInput with the name that was perhaps meant.
         """
         numbers = [name for name in found({}) if name not in NO_NUMBERS]
         _one_of("response.y", self.y, numbers)

@@ -49,14 +49,7 @@ class Variation:
 
 
 def refuse(path: str) -> None:
-    """Refuse a path that cannot vary.
-
-    Raises
-    ------
-    BadInput
-        if the scene has no such path, or its value is not for that.
-
-    """
+    """Refuse a path that cannot vary; raises BadInput if the scene has no such path, or its value is not for that."""
     if path in REFUSED:
         raise BadInput(f"{path} varies; {REFUSED[path]}")
     if path != SAND and (not known(path) or path in OUTSIDE):
@@ -66,11 +59,7 @@ def refuse(path: str) -> None:
 def variation(text: str) -> Variation:
     """Of `PATH=V1,V2,...`.
 
-    Raises
-    ------
-    BadInput
-        if it does not read so, the scene has no such path, or a value is there twice.
-
+    Raises BadInput if it does not read so, the scene has no such path, or a value is there twice.
     """
     path, equals, listed = text.partition("=")
     path, words = path.strip(), tuple(word.strip() for word in listed.split(","))
@@ -94,11 +83,7 @@ def as_word(value) -> str:
 def bases(files: list[Path]) -> dict[str, Scene]:
     """The scenes of files by a short name, of one thread each; the default scene, without a name, if there are none.
 
-    Raises
-    ------
-    BadInput
-        if a file cannot be read or its values are not possible.
-
+    Raises BadInput if a file cannot be read or its values are not possible.
     """
     if not files:
         return {"": Scene(machine=Machine(threads=1))}
@@ -115,11 +100,7 @@ def bases(files: list[Path]) -> dict[str, Scene]:
 def product(variations: list[Variation]) -> dict[str, dict]:
     """Every combination of the variations, by a name that says what was varied: the values by their paths.
 
-    Raises
-    ------
-    BadInput
-        if the combinations are too many, or two have one name.
-
+    Raises BadInput if the combinations are too many, or two have one name.
     """
     paths = [one.path for one in variations]
     _few(math.prod(len(one.values) for one in variations))
@@ -133,11 +114,7 @@ def product(variations: list[Variation]) -> dict[str, dict]:
 def scenes(base: dict[str, Scene], settings: dict[str, dict]) -> dict[str, Scene]:
     """Every base with each of the settings, by both names.
 
-    Raises
-    ------
-    BadInput
-        if a setting is not possible, a name is too long, or the runs are too many.
-
+    Raises BadInput if a setting is not possible, a name is too long, or the runs are too many.
     """
     _few(len(base) * len(settings))
     found = {}
@@ -177,11 +154,7 @@ def used(scene: Scene, paths: list[str]) -> dict:
 def made(base: Scene, setting: dict, start: str = "") -> Scene:
     """A scene with values at dotted paths, and a sand by its name.
 
-    Raises
-    ------
-    BadInput
-        if they are not possible; it tells all of them, after the name `start`.
-
+    Raises BadInput if they are not possible; it tells all of them, after the name `start`.
     """
     try:
         rest = {path: value if value != DEFAULT else default(path) for path, value in setting.items() if path != SAND}
