@@ -121,8 +121,8 @@ def test_the_order_of_the_points_changes_nothing_but_round_off(monkeypatch):
         monkeypatch.setattr(np, "lexsort", order)
         body = block()
         place = body.particles.arrays()["position"]
-        body.particles.load(body.particles.arrays() | {"velocity": np.sin(50.0 * place)})
-        body.advance(100, 1e-4, gravity=(0.0, 9.81))
+        body.particles.load(body.particles.arrays() | {"velocity": 0.1 * np.sin(50.0 * place)})
+        body.advance(20, 1e-4, gravity=(0.0, 9.81))
         ends.append(body.particles.arrays())
     assert np.abs(ends[0]["stress"]).max() > 1e3
     for name, field in ends[0].items():
