@@ -111,7 +111,8 @@ def block():
     """A solver of 27 elastic points, three more than fill whole groups."""
     runtime.init()
     law = Elastic(1e6)
-    particles = Particles.lattice(law, 0.45, 0.15, 0.05, origin_m=(0.1, 0.1))
+    # not along grid lines: there, nodes that hardly any sand touches make much of round-off
+    particles = Particles.lattice(law, 0.45, 0.15, 0.05, origin_m=(0.115, 0.12))
     return Solver(particles, Grid(1.0, 0.6, 0.05), UniformGimp(), law, simd=True)
 
 
