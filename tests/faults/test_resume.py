@@ -94,7 +94,7 @@ CASES = [
 ]  # fmt: skip
 
 
-def photographed(one, folder, moments, monkeypatch):
+def photographed(one, folder, moments, monkeypatch, run=run):
     """Run a scene; the copies of its folder after each of the moments."""
     copies = {moment: folder.with_name(f"{folder.name}_{moment.__name__}") for moment in moments}
 
