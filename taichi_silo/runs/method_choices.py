@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.laws.integrate import LOCAL_ERROR
 from taichi_silo.mpm.shapes import SHAPES
-from taichi_silo.runs.observers.film_recorder import FRAMES
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.symmetry import half_model
 from taichi_silo.simulation.discretise import noise_control, period_of, rows_of_cells
@@ -151,9 +150,8 @@ def records(scene: Scene, period_s: float) -> Part:
     interval = period_s / scene.output.records_per_period
     flow = scene.flow.displacement_m / scene.flow.speed_m_per_s
     because = (
-        f"{scene.output.records_per_period} records a period of the column, about {flow / interval:.0f} in flow; the "
-        f"film takes {FRAMES['filling']} frames of filling and {FRAMES['flow']} of flow; {scene.snapshots} "
-        "snapshots of flow are for further films."
+        f"{scene.output.records_per_period} records a period of the column, about {flow / interval:.0f} in flow; "
+        f"{scene.snapshots} snapshots of flow are for films of other fields."
     )
     flags = "--records-per-period, --no-film, --snapshots"
     return Part("output", f"a record every {1e3 * interval:.3g} ms", because, flags)
