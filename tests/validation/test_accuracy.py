@@ -87,7 +87,7 @@ def test_means_over_the_displacement_lose_no_impulse():
     travel = np.cumsum(speed * interval)
     force = 700.0 + 50.0 * rng.standard_normal(400)
     flow = pd.DataFrame({"displacement_m": travel, "interval_s": interval})
-    for name in ("bottom_N_per_m", "shear_N_per_m", "normal_N_per_m"):
+    for name in ("bottom_force_N_per_m", "shear_N_per_m", "normal_N_per_m"):
         flow[name] = force
     curves = Curves.of(flow, travel[-1])
     edges = np.linspace(0.02, 1.0, 99) * travel[-1]
