@@ -2,15 +2,16 @@
 
 import shlex
 import sys
+from types import SimpleNamespace
 
 import pytest
 import typer
 from typer.main import get_command
 from written import beside, blocks
 
+from taichi_silo import api
 from taichi_silo.cli import app, catalogue, command_line
 from taichi_silo.cli.commands.run import scene_file
-from taichi_silo.runs import session
 from taichi_silo.scene.scene import Scene
 
 LINES = [
@@ -34,7 +35,7 @@ def parse(command, words):
 def wanted(monkeypatch):
     """Scenes that scenarios would have run."""
     scenes = []
-    monkeypatch.setattr(session, "run", lambda scene, folder, **_: scenes.append(scene) or folder)
+    monkeypatch.setattr(api, "run", lambda scene, folder, **_: scenes.append(scene) or SimpleNamespace(folder=folder))
     monkeypatch.setattr(command_line, "tell", lambda *_: None)
     return scenes
 

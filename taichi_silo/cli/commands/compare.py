@@ -6,11 +6,21 @@ from typing import Annotated
 from typer import Argument, Option
 
 from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
+from taichi_silo.errors import BadInput
 from taichi_silo.utils.console import Console
 
 FoldersArgument = Annotated[list[Path], Argument(metavar="DIR", help="runs; the others are set against the first")]
 JanssenFlag = Annotated[bool, Option("--janssen", help="add Janssen's theory to figures and tables")]
-PaperFlag = Annotated[bool, Option("--paper", hidden=True)]  # of version 0.2; refused with what does it now
+
+
+def _no_paper(given: bool) -> None:
+    if given:
+        raise BadInput(
+            "--paper is no more; python -m validation.paper.against_runs DIR ... sets runs beside what the paper states"
+        )
+
+
+PaperFlag = Annotated[bool, Option("--paper", hidden=True, is_eager=True, callback=_no_paper)]  # of version 0.2
 CsvOption = Annotated[
     list[Path] | None,
     Option(
@@ -42,15 +52,10 @@ def compare(
         taichi-silo compare outputs/smooth --janssen
         taichi-silo compare outputs/rough --csv measured.csv
     """
-    from taichi_silo.errors import BadInput
     from taichi_silo.studies.compare import show
     from taichi_silo.studies.compare.whole import compared
 
     console = Console(quiet=quiet, as_json=json)
-    if paper:
-        raise BadInput(
-            "--paper is no more; python -m validation.paper.against_runs DIR ... sets runs beside what the paper states"
-        )
     found = compared(folders, output, janssen=janssen, csv=csv or [])
     tables = [show.differences(found.differences)] if len(found.runs) > 1 else []
     tables += [] if found.janssen is None else [show.janssen(found.janssen)]
