@@ -34,11 +34,7 @@ def about(name: str) -> str:
 def load(name: str) -> Callable:
     """The function of a scenario, imported from its script.
 
-    Raises
-    ------
-    BadInput
-        if there is no scenario of this name.
-
+    Raises BadInput if there is no scenario of this name.
     """
     file = script(name)
     spec = importlib.util.spec_from_file_location(f"scenario_{file.stem}", file)
@@ -51,11 +47,7 @@ def load(name: str) -> Callable:
 def script(name: str) -> Path:
     """The script of a scenario.
 
-    Raises
-    ------
-    BadInput
-        if there is none of this name.
-
+    Raises BadInput if there is none of this name.
     """
     known = {file.stem: file for file in folder().glob("*.py")}
     wanted = name.replace("-", "_")

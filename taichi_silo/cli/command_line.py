@@ -110,11 +110,7 @@ def _stop(sentence: str, code: int) -> NoReturn:
 def print_or_write(text: str, output: Path | None) -> None:
     """Print a text, or write it to a file that is not there yet.
 
-    Raises
-    ------
-    BadInput
-        if the file is there, or cannot be written.
-
+    Raises BadInput if the file is there, or cannot be written.
     """
     if output is None:
         print(text, end="")

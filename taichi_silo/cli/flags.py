@@ -82,11 +82,7 @@ def parameters(scene: Scene, paths: Iterable[str], notes: Mapping[str, str] | No
 def given(values: dict[str, Any], paths: Iterable[str]) -> dict[str, Any]:
     """Values by dotted path of flags that were given or have a default.
 
-    Raises
-    ------
-    BadInput
-        if the time step is neither a number nor "auto".
-
+    Raises BadInput if the time step is neither a number nor "auto".
     """
     found = {path: values[name_of(path)] for path in paths if values.get(name_of(path)) is not None}
     word = found.get(TIME_STEP)

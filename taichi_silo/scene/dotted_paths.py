@@ -98,13 +98,7 @@ def hint(path: str) -> str:
 def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """The scene with values at dotted paths; those of `OUTSIDE` are passed over.
 
-    Raises
-    ------
-    BadInput
-        if it has no such path.
-    ValidationError
-        if the values are not possible.
-
+    Raises BadInput if it has no such path; ValidationError if the values are not possible.
     """
     return Scene.model_validate(tables_with(scene, values))
 
@@ -112,11 +106,7 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
 def tables_with(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
     """The tables of a scene with values at dotted paths, not yet checked; those of `OUTSIDE` are passed over.
 
-    Raises
-    ------
-    BadInput
-        if it has no such path.
-
+    Raises BadInput if it has no such path.
     """
     tables = scene.model_dump()
     for path, value in values.items():
@@ -131,11 +121,7 @@ def tables_with(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
 def put(tables: dict[str, Any], path: str, value: Any) -> None:
     """Set the value at a dotted path of tables; where it is None, tables that are not there are not made for it.
 
-    Raises
-    ------
-    BadInput
-        if the path leads through a value, or to no entry of a list.
-
+    Raises BadInput if the path leads through a value, or to no entry of a list.
     """
     *names, last = path.split(".")
     table: Any = tables

@@ -25,17 +25,13 @@ def read_silo(file: Path, unit: str | None = None) -> Silo:
 
     Its lowest side is the floor, at y = 0, and its leftmost corner is moved to x = 0.
 
+    Raises BadInput if it cannot be read, says no unit, or holds no closed line; ValidationError if the lines make no
+    silo.
+
     Parameters
     ----------
     file : DXF; lines that are not closed, and texts, are passed over.
     unit : mm, cm, m or in; that of the drawing if not given.
-
-    Raises
-    ------
-    BadInput
-        if it cannot be read, says no unit, or holds no closed line.
-    ValidationError
-        if the lines make no silo.
 
     """
     try:

@@ -54,11 +54,7 @@ def like(cell_size_m: float, speed_m_per_s: float) -> tuple[str, Fidelity] | Non
 def fidelity(name: str) -> Fidelity:
     """The named setting of that name.
 
-    Raises
-    ------
-    BadInput
-        if there is none.
-
+    Raises BadInput if there is none.
     """
     known = fidelities()
     if name not in known:

@@ -47,11 +47,7 @@ def available() -> float:
 def check(scene: Scene) -> None:
     """Refuse a scene that this machine has no room for; of a graphics card nothing is known.
 
-    Raises
-    ------
-    BadInput
-        that says what it needs and what there is.
-
+    Raises BadInput, which says what it needs and what there is.
     """
     wanted, there = needed(scene), available()
     if scene.machine.arch == "cpu" and wanted > there:

@@ -13,11 +13,7 @@ SAME = 1e-9  # places closer than that are one [m]
 def polygon(corners: Corners, name: str) -> np.ndarray:
     """Corners (n, 2) anticlockwise [m], the last not again the first.
 
-    Raises
-    ------
-    ValueError
-        if they are fewer than three, enclose nothing, or the sides cross.
-
+    Raises ValueError if they are fewer than three, enclose nothing, or the sides cross.
     """
     given = np.array(corners, float).reshape(-1, 2)
     if not (np.abs(given) <= LARGEST).all():
@@ -46,12 +42,8 @@ def area(corners: np.ndarray) -> float:
 def sides(corners: Corners) -> tuple[np.ndarray, np.ndarray]:
     """Left and right side of a silo's inside, each (n, 2) from the floor up to the top.
 
-    Raises
-    ------
-    ValueError
-        if it has no level floor at y = 0 or no level top, does not begin at x = 0, or a level line would cross it more
-        than twice.
-
+    Raises ValueError if it has no level floor at y = 0 or no level top, does not begin at x = 0, or a level line would
+    cross it more than twice.
     """
     found = polygon(corners, "outline")
     low, high, left = found[:, 1].min(), found[:, 1].max(), found[:, 0].min()

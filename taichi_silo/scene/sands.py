@@ -24,11 +24,7 @@ def published() -> dict[str, dict]:
 def sand(name_or_file: str, void_ratio: float, **more: Any) -> Sand:
     """A named sand, or that of a TOML file with the same keys, at a void ratio.
 
-    Raises
-    ------
-    BadInput
-        if there is no such sand or file, a constant is missing or unknown, or the set is impossible.
-
+    Raises BadInput if there is no such sand or file, a constant is missing or unknown, or the set is impossible.
     """
     known = published()
     key = shown(name_or_file, LONGEST).strip().lower()

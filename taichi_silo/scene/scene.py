@@ -213,11 +213,7 @@ class Machine(Options):
     def start(self) -> None:
         """Start Taichi on it.
 
-        Raises
-        ------
-        BadInput
-            if it cannot be used.
-
+        Raises BadInput if it cannot be used.
         """
         if runtime.PRECISION != "f64":
             raise BadInput(

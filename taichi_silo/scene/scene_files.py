@@ -22,17 +22,14 @@ PROGRAM = "program"  # the table of run.toml that says what computed it
 def read_scene(file: Path, changes: Iterable[str] = (), threads: int | None = None) -> Scene:
     """The scene of a file.
 
+    Raises BadInput if the file cannot be read or its values are not possible.
+
     Parameters
     ----------
     file : TOML; what it leaves out takes the defaults. In its table `sand` the name of a published sand stands for all
         of its constants that are not given. A table `program`, as a run leaves it, is passed over.
     changes : `PATH=VALUE` each, over what the file says.
     threads : on which to compute, if not as in the file.
-
-    Raises
-    ------
-    BadInput
-        if the file cannot be read or its values are not possible.
 
     """
     tables = read_tables(file)
@@ -52,11 +49,7 @@ def read_scene(file: Path, changes: Iterable[str] = (), threads: int | None = No
 def read_tables(file: Path) -> dict:
     """The tables of a TOML file.
 
-    Raises
-    ------
-    BadInput
-        if there is none, or what is there is no TOML.
-
+    Raises BadInput if there is none, or what is there is no TOML.
     """
     return bounded_reading.toml(file, "a scene")
 
@@ -69,13 +62,8 @@ def _with_threads(machine: Any, threads: int) -> Any:
 def scene_of(tables: dict) -> Scene:
     """The scene of tables, with the constants of a published sand that is named in them.
 
-    Raises
-    ------
-    BadInput
-        if a sand is named that is not published, and its constants are not all given.
-    ValidationError
-        if the values are not possible.
-
+    Raises BadInput if a sand is named that is not published, and its constants are not all given; ValidationError if
+    the values are not possible.
     """
     sand = tables.get("sand")
     if isinstance(sand, dict) and "name" in sand:

@@ -30,11 +30,7 @@ SIGNS = {  # of the components of a point's fields in a mirror at constant x
 def half_model(scene: "Scene") -> tuple[bool, str]:
     """Whether half of a scene is computed, and a sentence about it.
 
-    Raises
-    ------
-    ValueError
-        if the half is asked for and would not be the half of that whole.
-
+    Raises ValueError if the half is asked for and would not be the half of that whole.
     """
     obstacle = _obstacle(scene)
     if scene.silo.half == "yes" and obstacle:

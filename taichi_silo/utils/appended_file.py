@@ -12,15 +12,12 @@ from taichi_silo.utils.machine_faults import of_file
 class AppendedFile:
     """An open file; a piece is in it as soon as `append` returns, and is not in it at all if that fails.
 
+    Raises BadInput if the file has fewer bytes than that.
+
     Parameters
     ----------
     file : its path.
     size : go on after so many bytes and cut off the rest; None begins anew.
-
-    Raises
-    ------
-    BadInput
-        if the file has fewer bytes than that.
 
     """
 

@@ -32,11 +32,7 @@ QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 def place(given, name: str = "file") -> Path:
     """A path as a user typed it, checked to be one that a file system can have; ~ is the user's folder.
 
-    Raises
-    ------
-    BadInput
-        if it is no path.
-
+    Raises BadInput if it is no path.
     """
     try:
         path = Path(given).expanduser()
@@ -52,16 +48,13 @@ def place(given, name: str = "file") -> Path:
 def content(file, what: str, most: int) -> bytes:
     """The bytes of a file.
 
+    Raises BadInput if it is not there, is no file (but a folder, a pipe, a device), or has more than `most` bytes.
+
     Parameters
     ----------
     file : its path.
     what : what it should be, for sentences: "a scene".
     most : bytes that it may have.
-
-    Raises
-    ------
-    BadInput
-        if it is not there, is no file (but a folder, a pipe, a device), or has more than `most` bytes.
 
     """
     file = place(file)
@@ -81,11 +74,7 @@ def content(file, what: str, most: int) -> bytes:
 def toml(file, what: str, most: int = LARGEST_TABLES) -> dict:
     """The tables of a TOML file.
 
-    Raises
-    ------
-    BadInput
-        if there is none, or what is there is no TOML.
-
+    Raises BadInput if there is none, or what is there is no TOML.
     """
     data = content(file, what, most)
     try:
@@ -99,11 +88,7 @@ def toml(file, what: str, most: int = LARGEST_TABLES) -> dict:
 def parsed(text: str) -> dict:
     """The tables of a TOML text.
 
-    Raises
-    ------
-    ValueError
-        if it is none, or nested too deep.
-
+    Raises ValueError if it is none, or nested too deep.
     """
     for line in text.splitlines():
         name = QUOTED.sub("q", line).partition("=")[0]
@@ -122,11 +107,7 @@ def parsed(text: str) -> dict:
 def tables(file) -> dict:
     """The object of a JSON file.
 
-    Raises
-    ------
-    BadInput
-        if there is none, or what is there is none.
-
+    Raises BadInput if there is none, or what is there is none.
     """
     data = content(file, "JSON", LARGEST_SUMMARY)
     try:
@@ -138,11 +119,7 @@ def tables(file) -> dict:
 def frame(file) -> pd.DataFrame:
     """The table of a CSV file, its whole rows only; empty and without columns if it has no content.
 
-    Raises
-    ------
-    BadInput
-        if it is not there, or no table.
-
+    Raises BadInput if it is not there, or no table.
     """
     data = content(file, "a table", LARGEST_CURVES)
     if len(data[:LONGEST_HEAD].split(b"\n", 1)[0]) >= LONGEST_HEAD:
@@ -161,11 +138,7 @@ def frame(file) -> pd.DataFrame:
 def sense(words: str) -> Iterator[None]:
     """Turn any error that a value of a wrong kind causes in this block into BadInput with this sentence.
 
-    Raises
-    ------
-    BadInput
-        with that sentence.
-
+    Raises BadInput with that sentence.
     """
     try:
         yield

@@ -36,15 +36,8 @@ def write(file: Path, tree: dict) -> None:
 def read(file: Path) -> tuple[dict, dict]:
     """The header and the tree.
 
-    Raises
-    ------
-    FileNotFoundError
-        if it is not there.
-    Damaged
-        if it cannot be read, or is not what was written.
-    BadInput
-        if it is of another format.
-
+    Raises FileNotFoundError if it is not there; Damaged if it cannot be read, or is not what was written; BadInput if
+    it is of another format.
     """
     file = Path(file)
     size = file.stat().st_size
@@ -81,11 +74,7 @@ def understood(folder: Path):
 def need(tree: dict, *paths: str) -> None:
     """Check that a tree has something at each of these dotted paths.
 
-    Raises
-    ------
-    LookupError, TypeError
-        at the first of them.
-
+    Raises LookupError, TypeError at the first of them.
     """
     for path in paths:
         here = tree

@@ -19,11 +19,7 @@ NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP)  # of a file system, 
 def held(folder: Path) -> Iterator[None]:
     """Keep other runs out of a folder.
 
-    Raises
-    ------
-    BadInput
-        if another run is in it.
-
+    Raises BadInput if another run is in it.
     """
     busy = f"output {folder} is in use by another run (process %s); wait for it, or give another folder"
     with alone(folder / NAME, 0.0, busy):
@@ -34,16 +30,13 @@ def held(folder: Path) -> Iterator[None]:
 def alone(file: Path, wait_s: float, busy: str) -> Iterator[None]:
     """Do something while no other process does it, on this machine or on another one of the same file system.
 
+    Raises BadInput with that sentence; or if the file cannot be written.
+
     Parameters
     ----------
     file : that is locked, and removed at the end; it holds the number of the process.
     wait_s : how long to wait for another process.
     busy : the sentence if that takes longer; %s in it stands for the number of that process.
-
-    Raises
-    ------
-    BadInput
-        with that sentence; or if the file cannot be written.
 
     """
     lock = FileLock(file, timeout=wait_s, poll_interval=ASKED_EVERY_S)

@@ -28,7 +28,7 @@ class Options(BaseModel):
     @field_validator("*", mode="before")
     @classmethod
     def _no_truth(cls, given: Any, info: ValidationInfo) -> Any:
-        if _holds_truth(given) and not _takes_truth(cls.model_fields[info.field_name].annotation):
+        if _holds_truth(given) and not _takes_truth(cls.model_fields[str(info.field_name)].annotation):
             raise PydanticCustomError("truth", "Input should be a number or a word, not true or false")
         return given
 

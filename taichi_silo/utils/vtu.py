@@ -70,11 +70,7 @@ def _array(name: str, values: np.ndarray) -> str:
 def read(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Places (n, 3) [m] and arrays by name, of such a file or another with binary arrays in zlib blocks.
 
-    Raises
-    ------
-    OSError, ValueError, KeyError, zlib.error, xml.etree.ElementTree.ParseError
-        if it cannot be read.
-
+    Raises OSError, ValueError, KeyError, zlib.error, xml.etree.ElementTree.ParseError if it cannot be read.
     """
     with open(file, "rb") as stream:
         if b"<!DOCTYPE" in stream.read(LONGEST_START):

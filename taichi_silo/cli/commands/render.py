@@ -121,9 +121,9 @@ def _tracked(shown: list, field: str, console: Console):
     """The moments, with a progress bar where there is a terminal."""
     from rich.progress import track
 
-    console = console.terminal
-    silent = console.quiet or not console.is_terminal
-    return track(shown, f"drawing {field}", console=console, transient=True, disable=silent)
+    terminal = console.terminal
+    silent = terminal.quiet or not terminal.is_terminal
+    return track(shown, f"drawing {field}", console=terminal, transient=True, disable=silent)
 
 
 def _limits(text: str | None) -> tuple[float, float] | None:
