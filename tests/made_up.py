@@ -73,3 +73,17 @@ def write_forces(folder, what, end_s, rows=60):
         columns |= {f"{side}_normal_N_per_m": weight / 2.0, f"{side}_shear_N_per_m": weight / 3.0}
     columns |= {"wall_friction_angle_deg": np.full(rows, 33.7), "weight_N_per_m": weight}
     pd.DataFrame(columns).to_csv(folder / "forces.csv", index=False)
+
+
+def lattice(columns=40, seed=5, jitter=0.2):
+    """Points (n, 2) of a silo of 0.2 m x 0.5 m, off their lattice by up to a fifth; their volumes and the spacing."""
+    spacing = 0.2 / columns
+    x, y = np.meshgrid((np.arange(columns) + 0.5) * spacing, (np.arange(round(0.5 / spacing)) + 0.5) * spacing)
+    points = np.column_stack([x.ravel(), y.ravel()])
+    points += jitter * spacing * np.random.default_rng(seed).uniform(-1, 1, points.shape)
+    return points, np.full(len(points), spacing**2), spacing
+
+
+def down(speed):
+    """Velocities (n, 2) of points that sink this fast."""
+    return np.column_stack([0.0 * speed, -speed])

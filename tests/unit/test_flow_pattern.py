@@ -6,21 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from taichi_silo.analysis.measure.flow_pattern import flow_pattern, mean_velocity
+from tests.made_up import down, lattice
 
 WIDTH, HEIGHT, SPEED = 0.2, 0.5, 2e-3
-
-
-def fill(columns=40, jitter=0.2):
-    """Points (n, 2), their volumes and the spacing."""
-    spacing = WIDTH / columns
-    x, y = np.meshgrid((np.arange(columns) + 0.5) * spacing, (np.arange(round(HEIGHT / spacing)) + 0.5) * spacing)
-    points = np.column_stack([x.ravel(), y.ravel()])
-    points += jitter * spacing * np.random.default_rng(5).uniform(-1, 1, points.shape)
-    return points, np.full(len(points), spacing**2), spacing
-
-
-def down(speed):
-    return np.column_stack([np.zeros(len(speed)), -speed])
 
 
 def measured(points, speed, volume, **options):
@@ -34,7 +22,7 @@ def channel(points, half_width_at):
 
 
 def test_uniform_flow_is_mass_flow_also_between_walls_without_slip():
-    points, volume, _ = fill()
+    points, volume, _ = lattice()
     found = measured(points, np.full(len(points), SPEED), volume)
     assert found.kind == "mass"
     assert found.transition_left_m == found.transition_right_m == found.stagnant_area_share == 0.0
@@ -46,7 +34,7 @@ def test_uniform_flow_is_mass_flow_also_between_walls_without_slip():
 @pytest.mark.parametrize("columns", [20, 40, 100], ids=["10 mm", "5 mm", "2 mm"])
 def test_a_channel_that_meets_the_walls_is_mixed_flow(columns):
     """The boundary rises from 30 mm off the axis to the walls at a height of 0.28 m."""
-    points, volume, spacing = fill(columns)
+    points, volume, spacing = lattice(columns)
     speed = channel(points, lambda y: 0.03 + 0.25 * y)
     found = measured(points, speed, volume)
     assert found.kind == "mixed"
@@ -64,7 +52,7 @@ def test_a_channel_that_meets_the_walls_is_mixed_flow(columns):
 
 @pytest.mark.parametrize("columns", [20, 40, 100])
 def test_a_step_in_height_is_placed_within_half_a_window(columns):
-    points, volume, spacing = fill(columns)
+    points, volume, spacing = lattice(columns)
     found = measured(points, SPEED * (points[:, 1] > 0.2), volume)
     assert found.transition_left_m == pytest.approx(0.2, abs=0.5 * max(0.01, 2 * spacing) + 1e-9)
     assert found.stagnant_area_share == pytest.approx(0.4, abs=0.01)
@@ -72,7 +60,7 @@ def test_a_step_in_height_is_placed_within_half_a_window(columns):
 
 @pytest.mark.parametrize("columns", [20, 40, 100])
 def test_a_pipe_is_funnel_flow(columns):
-    points, volume, spacing = fill(columns)
+    points, volume, spacing = lattice(columns)
     found = measured(points, channel(points, lambda y: 0.04 + 0 * y), volume)
     assert found.kind == "funnel"
     assert np.isnan(found.transition_left_m) and np.isnan(found.transition_right_m)
@@ -82,7 +70,7 @@ def test_a_pipe_is_funnel_flow(columns):
 
 
 def test_what_moves_at_one_wall_or_only_at_the_surface():
-    points, volume, _ = fill()
+    points, volume, _ = lattice()
     pipe = np.maximum(channel(points, lambda y: 0.04 + 0 * y), SPEED * (points[:, 1] > 0.47))
     assert measured(points, pipe, volume).kind == "funnel"  # sand that slides into a pipe makes no mixed flow
     found = measured(points, 2.0 * SPEED * (points[:, 0] > 0.1), volume)
@@ -93,7 +81,7 @@ def test_what_moves_at_one_wall_or_only_at_the_surface():
 
 
 def test_the_threshold_bounds_a_smooth_channel():
-    points, volume, _ = fill()
+    points, volume, _ = lattice()
     speed = 1.5 * SPEED * np.exp(-(((points[:, 0] - 0.1) / 0.04) ** 2))
     for threshold in (0.05, 0.1, 0.3):
         found = measured(points, speed, volume, threshold=threshold)
@@ -102,7 +90,7 @@ def test_the_threshold_bounds_a_smooth_channel():
 
 
 def test_mean_velocity_follows_the_points_that_stay():
-    points, _, _ = fill()
+    points, _, _ = lattice()
     number = np.arange(len(points)) + 7
     stay = points[:, 1] > 0.1
     order = np.random.default_rng(0).permutation(np.flatnonzero(stay))
@@ -121,7 +109,7 @@ def test_mean_velocity_follows_the_points_that_stay():
     [("speed", 800, 800, 0.0), ("positions", 800, 799, SPEED), ("four", 3, 3, SPEED)],
 )
 def test_impossible_input_is_refused(words, points, volumes, speed):
-    place, volume, _ = fill(20)
+    place, volume, _ = lattice(20)
     with pytest.raises(ValueError, match=words):
         flow_pattern(place[:points], 0 * place[:points], volume[:volumes], WIDTH, HEIGHT, speed)
 
@@ -129,7 +117,7 @@ def test_impossible_input_is_refused(words, points, volumes, speed):
 @settings(deadline=None, max_examples=15)
 @given(st.floats(-0.04, 0.04), st.floats(0.02, 0.05), st.floats(0.0, 0.5))
 def test_the_mirrored_field_has_the_mirrored_pattern(offset, half, slope):
-    points, volume, _ = fill()
+    points, volume, _ = lattice()
     inside = np.abs(points[:, 0] - 0.1 - offset) < half + slope * points[:, 1]
     found = measured(points, SPEED * inside, volume)
     mirrored = measured([WIDTH, 0.0] + points * [-1.0, 1.0], SPEED * inside, volume)

@@ -6,25 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from taichi_silo.analysis.measure.residence import residence
+from tests.made_up import down, lattice
 
 WIDTH, HEIGHT, SPEED = 0.2, 0.5, 2e-3
 
 
-def fill(columns=40, jitter=0.2):
-    spacing = WIDTH / columns
-    x, y = np.meshgrid((np.arange(columns) + 0.5) * spacing, (np.arange(round(HEIGHT / spacing)) + 0.5) * spacing)
-    points = np.column_stack([x.ravel(), y.ravel()])
-    points += jitter * spacing * np.random.default_rng(5).uniform(-1, 1, points.shape)
-    return points, np.full(len(points), spacing**2)
-
-
-def down(speed):
-    return np.column_stack([np.zeros(len(speed)), -speed])
-
-
 @pytest.mark.parametrize("columns", [20, 40])
 def test_plug_flow(columns):
-    points, volume = fill(columns)
+    points, volume, _ = lattice(columns)
     found = residence(points, down(np.full(len(points), SPEED)), volume, WIDTH, WIDTH * SPEED)
     assert found.plug_time_s == pytest.approx(HEIGHT / SPEED)
     assert found.time_s == pytest.approx(points[:, 1] / SPEED)
@@ -36,7 +25,7 @@ def test_plug_flow(columns):
 @pytest.mark.parametrize("columns", [20, 40])
 def test_a_shear_profile(columns):
     """Speed v0 (1/2 + x / w): every point sinks straight down at its own speed."""
-    points, volume = fill(columns)
+    points, volume, _ = lattice(columns)
     speed = SPEED * (0.5 + points[:, 0] / WIDTH)
     found = residence(points, down(speed), volume, WIDTH, WIDTH * SPEED)
     # the raster ends half a cell from the walls, where it is constant
@@ -50,7 +39,7 @@ def test_a_shear_profile(columns):
 
 @pytest.mark.parametrize("columns", [20, 40, 80])
 def test_sand_beside_a_pipe_never_leaves(columns):
-    points, volume = fill(columns)
+    points, volume, _ = lattice(columns)
     inside = np.abs(points[:, 0] - 0.1) < 0.04
     found = residence(points, down(2.5 * SPEED * inside), volume, WIDTH, WIDTH * SPEED)
     assert found.never_share == pytest.approx(0.6, abs=3.0 / columns)  # 1.5 spacings a side
@@ -59,7 +48,7 @@ def test_sand_beside_a_pipe_never_leaves(columns):
 
 def test_streamlines_that_converge_on_an_outlet():
     """Velocity -c r / r^2 in a fan about the middle of the bottom: t = r^2 / (2 c)."""
-    points, volume = fill(80)
+    points, volume, _ = lattice(80)
     arm = points - [0.5 * WIDTH, -0.02]
     square = np.sum(arm**2, axis=1)
     strength = 1e-4
@@ -71,7 +60,7 @@ def test_streamlines_that_converge_on_an_outlet():
 
 
 def test_sand_that_stands_still_never_leaves_and_points_that_are_not_finite_have_no_time():
-    points, volume = fill()
+    points, volume, _ = lattice()
     found = residence(points, np.zeros_like(points), volume, WIDTH, WIDTH * SPEED)
     assert found.never_share == 1.0
     assert np.isnan(found.over_plug).all() and np.isinf(found.first_from_surface)
@@ -85,7 +74,7 @@ def test_sand_that_stands_still_never_leaves_and_points_that_are_not_finite_have
     [("positive", 50, 0.0, None), ("outlet", 50, 1.0, (0.1, 0.3)), ("four", 2, 1.0, None)],
 )
 def test_impossible_input_is_refused(words, count, outflow, outlet):
-    points, volume = fill(10)
+    points, volume, _ = lattice(10)
     with pytest.raises(ValueError, match=words):
         residence(points[:count], 0 * points[:count], volume[:count], WIDTH, outflow, outlet)
 
@@ -93,7 +82,7 @@ def test_impossible_input_is_refused(words, count, outflow, outlet):
 @settings(deadline=None, max_examples=8)
 @given(st.floats(0.05, 0.15), st.floats(0.02, 0.05))
 def test_the_mirrored_flow_has_the_same_times(middle, half):
-    points, volume = fill(20)
+    points, volume, _ = lattice(20)
     outlet = (middle - half, middle + half)
     arm = points - [middle, -half]
     velocity = -1e-4 * arm / np.sum(arm**2, axis=1)[:, None]

@@ -8,17 +8,15 @@ from hypothesis import strategies as st
 from taichi_silo.analysis.measure.ridges import thin
 from taichi_silo.analysis.measure.zone import _side, circle_curvature, parabola_curvature
 from taichi_silo.analysis.measure.zones import shear_zones
+from tests.made_up import lattice
 
 WIDTH, HEIGHT = 0.2, 0.5
 SPACINGS = pytest.mark.parametrize("columns", [20, 40, 60], ids=["10 mm", "5 mm", "3.3 mm"])
 
 
-def fill(columns=40, jitter=0.2):
+def fill(columns=40):
     """Points (n, 2) and their spacing."""
-    spacing = WIDTH / columns
-    x, y = np.meshgrid((np.arange(columns) + 0.5) * spacing, (np.arange(round(HEIGHT / spacing)) + 0.5) * spacing)
-    points = np.column_stack([x.ravel(), y.ravel()])
-    return points + jitter * spacing * np.random.default_rng(3).uniform(-1, 1, points.shape), spacing
+    return lattice(columns, seed=3)[::2]
 
 
 def bell(distance, thickness):
