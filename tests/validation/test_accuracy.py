@@ -1,10 +1,8 @@
 """The chart: errors, front, dials, runs that are kept, and its table."""
 
-import importlib.util
 import json
 import math
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -17,6 +15,7 @@ from taichi_silo.scene.fidelity import fidelities
 from taichi_silo.scene.scene import Scene
 from taichi_silo.utils import process_pool
 from taichi_silo.utils.console import Console
+from validation.accuracy import __main__ as command
 from validation.accuracy import limit, parameter_set, plan, table, varied_settings, workers
 from validation.accuracy.curves import Curves
 from validation.accuracy.errors import ERRORS, errors, pareto_front, relative_difference, scatter
@@ -237,19 +236,10 @@ def test_figures_are_drawn_for_every_dial_also_where_runs_failed(tmp_path):
     assert len(list(tmp_path.glob("*.png"))) == 3
 
 
-def scenario():
-    file = Path(__file__).parents[2] / "validation" / "accuracy" / "__main__.py"
-    spec = importlib.util.spec_from_file_location("chart_scenario", file)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 @pytest.mark.long
 def test_a_coarse_chart_from_beginning_to_end_and_again_without_a_run(tmp_path, monkeypatch, capsys):
-    script = scenario()
-    monkeypatch.setattr(script, "SHORT", TINY)
-    script.chart(walls="very-rough", jobs=1, output=tmp_path)
+    monkeypatch.setattr(command, "SHORT", TINY)
+    command.chart(walls="very-rough", jobs=1, output=tmp_path)
     said = capsys.readouterr().out
     assert "0 runs are there, 5 to do" in said
     rows, floors = pd.read_csv(tmp_path / "chart.csv"), pd.read_csv(tmp_path / "scatter.csv")
@@ -263,7 +253,7 @@ def test_a_coarse_chart_from_beginning_to_end_and_again_without_a_run(tmp_path, 
     assert (tmp_path / "error_cost_very-rough.png").exists() and (tmp_path / "speed_very-rough.png").exists()
     files = {file: file.stat().st_mtime_ns for file in (tmp_path / "points").iterdir()}
     assert len(files) == 5
-    script.chart(walls="very-rough", jobs=1, output=tmp_path)
+    command.chart(walls="very-rough", jobs=1, output=tmp_path)
     assert "5 runs are there, 0 to do" in capsys.readouterr().out
     assert {file: file.stat().st_mtime_ns for file in files} == files
     assert varied_settings.SHORT is SHORT
