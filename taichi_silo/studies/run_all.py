@@ -11,11 +11,6 @@ from taichi_silo.studies.sweep.runs import Run, simulate
 def run_all(runs: dict[str, Run], output: Path) -> None:
     """Run the scenes that have no finished run yet, as many at a time as there are cores, and say how far they are.
 
-    Parameters
-    ----------
-    runs : by their names.
-    output : folder that holds theirs; made if it is not there.
-
     Raises BadInput if the folder cannot be written; RunFailed if some fail, after all have ended; it names the first.
     """
     missing = {name: run for name, run in runs.items() if not run.finished}

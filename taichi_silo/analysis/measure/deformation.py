@@ -9,13 +9,7 @@ FLAT = 1e-9  # determinant over squared trace below which neighbours stand in a 
 
 
 class Rings:
-    """Points and their nearest neighbours in one state, ready to be compared with any later one.
-
-    Parameters
-    ----------
-    before : (n, 2) positions [m].
-
-    """
+    """Points (n, 2) [m] and their nearest neighbours in one state, ready to be compared with any later one."""
 
     def __init__(self, before: NDArray) -> None:
         _, self.index = cKDTree(before).query(before, k=min(NEIGHBOURS, len(before)))

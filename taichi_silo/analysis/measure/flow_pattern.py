@@ -67,20 +67,10 @@ def mean_velocity(
     identity_before: NDArray | None = None,
     identity_after: NDArray | None = None,
 ) -> tuple[NDArray, NDArray, NDArray]:
-    """Mean velocity between two snapshots of the points that are in both.
+    """Half-way place (k, 2) [m], mean velocity (k, 2) [m/s] and index in `before` (k,) of points in two snapshots.
 
-    Parameters
-    ----------
-    before, after : (n, 2) and (m, 2) positions in the laboratory [m].
-    interval_s : time between them [s].
-    identity_before, identity_after : (n,) and (m,) a number for each point that it keeps; not needed if no point has
-        left and the order is the same.
-
-    Returns
-    -------
-    position : (k, 2) half-way [m].
-    velocity : (k, 2) [m/s].
-    index : (k,) of the points in `before`.
+    `before` and `after` are positions (n, 2) and (m, 2) in the laboratory; identities are a number for each point that
+    it keeps, and not needed if no point has left and the order is the same.
 
     Raises ValueError if numbers of points differ and there are no identities, or if the interval is not positive.
     """
@@ -105,9 +95,6 @@ def flow_pattern(
     fill_height_m: float,
     reference_speed_m_per_s: float,
     threshold: float = MOVES,
-    stagnant_below: float = STAGNANT,
-    layer: float = LAYER,
-    surface: float = SURFACE,
 ) -> FlowPattern:
     """Measure the flow pattern.
 
@@ -120,9 +107,6 @@ def flow_pattern(
     fill_height_m : height of the fill over the bottom now [m].
     reference_speed_m_per_s : outflow of volume per metre run over the width.
     threshold : downward speed over the reference speed from which on sand moves.
-    stagnant_below : speed over the reference speed below which sand counts as stagnant.
-    layer : thickness of the wall layer, and height that its speeds are means over, as a fraction of the width.
-    surface : fraction of the fill height above which a moving wall layer is the free surface's.
 
     Raises ValueError if a length or the reference speed is not positive, lengths of arrays differ, or there are fewer
     than four points.
@@ -136,23 +120,17 @@ def flow_pattern(
     spacing = float(np.sqrt(np.median(volume)))
     relative = -velocity[:, 1] / reference_speed_m_per_s
     speed = np.hypot(*velocity.T) / reference_speed_m_per_s
-    window = max(layer * width_m, 2.0 * spacing)
-    top = surface * fill_height_m
+    window = max(LAYER * width_m, 2.0 * spacing)
+    top = SURFACE * fill_height_m
     left, right = (
         _transition(points[near, 1], relative[near], volume[near], window, top, threshold)
         for near in (points[:, 0] < window, points[:, 0] > width_m - window)
     )
-    channel = _channel(points, relative, width_m, spacing, window, top, threshold)
+    kind = "mass" if left == right == 0.0 else "funnel" if np.isnan(left) and np.isnan(right) else "mixed"
+    stagnant = float(volume[speed < STAGNANT].sum() / volume.sum())
     return FlowPattern(
-        _kind(left, right), left, right, float(volume[speed < stagnant_below].sum() / volume.sum()), *channel
+        kind, left, right, stagnant, *_channel(points, relative, width_m, spacing, window, top, threshold)
     )
-
-
-def _kind(left: float, right: float) -> str:
-    """Kind of flow from both walls' transitions."""
-    if left == right == 0.0:
-        return "mass"
-    return "funnel" if np.isnan(left) and np.isnan(right) else "mixed"
 
 
 def _transition(
@@ -162,10 +140,9 @@ def _transition(
     middle = np.arange(0.5 * window, max(top, 0.6 * window), 0.125 * window)
     order = np.argsort(height, kind="stable")
     first, last = (np.searchsorted(height[order], middle + end * window) for end in (-0.5, 0.5))
-    total, moved = (
-        np.concatenate([[0.0], np.cumsum(part[order])])[last] - np.concatenate([[0.0], np.cumsum(part[order])])[first]
-        for part in (volume, volume * relative)
-    )
+    total, moved = np.diff(
+        [np.insert(np.cumsum(part[order]), 0, 0.0)[[first, last]] for part in (volume, volume * relative)], axis=1
+    )[:, 0]
     there = total > 0.0  # else the surface is lower at the wall, or there is a gap
     if not there.any():
         return np.nan

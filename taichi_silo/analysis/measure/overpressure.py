@@ -51,9 +51,6 @@ def largest_overpressure(
     normal_stress_Pa: NDArray,
     filling_stress_Pa: NDArray,
     displacement_m: NDArray | None = None,
-    cell_m: float = CELL_M,
-    corner_m: float = CORNER_M,
-    least_share: float = LEAST_SHARE,
 ) -> Overpressure:
     """Find the largest over-pressure factor of a history of wall stresses.
 
@@ -64,9 +61,6 @@ def largest_overpressure(
     normal_stress_Pa : (times, walls, heights) normal stress, positive in compression [Pa]; nan where there is none.
     filling_stress_Pa : (walls, heights) the same at the end of filling [Pa].
     displacement_m : (times,) of the bottom [m], optional.
-    cell_m : height of the pressure cell [m].
-    corner_m : height above the lowest node that no cell may reach into [m].
-    least_share : of the greatest filling stress of a wall, below which (at the top) there is no factor.
 
     Raises ValueError if shapes do not fit or heights do not rise.
     """
@@ -83,28 +77,20 @@ def largest_overpressure(
     if displacement.shape != time.shape:
         raise ValueError(f"{len(time)} times, but {displacement.size} displacements")
 
-    reader = np.column_stack([cell_mean(height, node, cell_m) for node in np.eye(len(height))])
+    reader = np.column_stack([cell_mean(height, node) for node in np.eye(len(height))])
     read, before = _read(reader, stress), _read(reader, filling)
     highest = np.nanmax(before, axis=1, keepdims=True, initial=0.0)
-    clear = height >= height[0] + corner_m + 0.5 * cell_m - 1e-9
-    measured = clear & (before >= least_share * highest) & (before > 0.0)
+    clear = height >= height[0] + CORNER_M + 0.5 * CELL_M - 1e-9
+    measured = clear & (before >= LEAST_SHARE * highest) & (before > 0.0)
     quotient = np.where(measured, read / np.where(measured, before, 1.0), np.nan)
     by_height = np.max(np.where(np.isnan(quotient), -np.inf, quotient), axis=0, initial=-np.inf)
     by_height = np.where(np.isfinite(by_height), by_height, np.nan)
     if np.isnan(by_height).all():
         return Overpressure(np.nan, -1, np.nan, np.nan, np.nan, -1, np.nan, np.nan, by_height)
     record, wall, node = np.unravel_index(np.nanargmax(quotient), quotient.shape)
-    return Overpressure(
-        factor=float(quotient[record, wall, node]),
-        wall=int(wall),
-        height_m=float(height[node]),
-        time_s=float(time[record]),
-        displacement_m=float(displacement[record]),
-        record=int(record),
-        stress_Pa=float(read[record, wall, node]),
-        filling_stress_Pa=float(before[wall, node]),
-        factor_by_height=by_height,
-    )
+    where = int(wall), float(height[node]), float(time[record]), float(displacement[record]), int(record)
+    stresses = float(read[record, wall, node]), float(before[wall, node])
+    return Overpressure(float(quotient[record, wall, node]), *where, *stresses, by_height)
 
 
 def _read(reader: NDArray, stress: NDArray) -> NDArray:

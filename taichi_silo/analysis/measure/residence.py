@@ -57,24 +57,18 @@ def residence(
     width_m: float,
     outflow_m2_per_s: float,
     outlet_m: tuple[float, float] | None = None,
-    outlet_height_m: float = 0.0,
-    quantiles: tuple[float, ...] = QUANTILES,
-    longest: float = LONGEST,
 ) -> Residence:
     """Follow all points to the outlet.
 
     Parameters
     ----------
-    position : (n, 2) places between the walls x = 0 and x = width [m].
+    position : (n, 2) places between the walls x = 0 and x = width, over the bottom y = 0 [m].
     velocity : (n, 2) in the same frame, upwards positive [m/s]; better a mean over an interval
         (`flow_pattern.mean_velocity`).
     volume : (n,) present volume of the points per metre run [m2].
     width_m : distance of the walls [m].
     outflow_m2_per_s : volume that leaves per metre run and second.
     outlet_m : (left, right) edges of the outlet [m]; the whole width if not told.
-    outlet_height_m : of the outlet; the bottom beside it is as high.
-    quantiles : levels between 0 and 1.
-    longest : plug-flow times after which sand counts as never leaving.
 
     Raises ValueError if the width or the outflow is not positive, the outlet is empty or not between the walls, lengths
     of arrays differ, or there are fewer than four points.
@@ -88,34 +82,22 @@ def residence(
     if len(points) < 4:
         raise ValueError(f"residence times need four points, there are {len(points)}")
     spacing = float(np.sqrt(np.median(volumes)))
-    raster = Raster.over(points, width_m, spacing, bottom_m=outlet_height_m)
+    raster = Raster.over(points, width_m, spacing, bottom_m=0.0)
     plug = float(volumes.sum() / outflow_m2_per_s)
-    time = _times(points, raster, flow, width_m, (left, right), outlet_height_m, longest * plug)
+    time = _times(points, raster, flow, width_m, (left, right), LONGEST * plug)
 
     leaves = np.isfinite(time)
-    share = tuple(_quantile(time[leaves] / plug, volumes[leaves], level) for level in quantiles)
+    share = tuple(_quantile(time[leaves] / plug, volumes[leaves], level) for level in QUANTILES)
     surface = _at_surface(points, raster, spacing)
     everywhere = np.full(len(position), np.nan)
     given = np.isfinite(np.column_stack([np.asarray(position, float)[:, :2], velocity, volume])).all(axis=1)
     everywhere[given] = time
-    return Residence(
-        plug_time_s=plug,
-        quantiles=tuple(quantiles),
-        over_plug=share,
-        never_share=float(volumes[~leaves].sum() / volumes.sum()),
-        first_from_surface=float(time[surface].min(initial=np.inf) / plug),
-        time_s=everywhere,
-    )
+    never, first = float(volumes[~leaves].sum() / volumes.sum()), float(time[surface].min(initial=np.inf) / plug)
+    return Residence(plug, QUANTILES, share, never, first, everywhere)
 
 
 def _times(
-    points: NDArray,
-    raster: Raster,
-    flow: NDArray,
-    width_m: float,
-    outlet: tuple[float, float],
-    bottom_m: float,
-    longest_s: float,
+    points: NDArray, raster: Raster, flow: NDArray, width_m: float, outlet: tuple[float, float], longest_s: float
 ) -> NDArray:
     """Time of each point to the outlet [s], by the midpoint rule in steps of equal length; inf if it never comes."""
     fields = [raster.of(flow[:, k]) for k in (0, 1)]
@@ -129,25 +111,25 @@ def _times(
     for _ in range(int(LONGEST_PATH * (width_m + np.ptp(raster.y_m)) / step) + 1):
         here, v = place[on_way], velocity(place[on_way])
         interval = step / np.maximum(np.hypot(v[:, 0], v[:, 1]), stands)
-        v = velocity(_between_walls(here + 0.5 * interval[:, None] * v, width_m, bottom_m))
+        v = velocity(_between_walls(here + 0.5 * interval[:, None] * v, width_m))
         there = here + interval[:, None] * v
-        through = there[:, 1] < bottom_m
-        part = np.where(through, (here[:, 1] - bottom_m) / np.maximum(here[:, 1] - there[:, 1], 1e-300), 1.0)
+        through = there[:, 1] < 0.0
+        part = np.where(through, here[:, 1] / np.maximum(here[:, 1] - there[:, 1], 1e-300), 1.0)
         crossing = here[:, 0] + part * (there[:, 0] - here[:, 0])
         # a streamline along the bottom is pushed back onto it until it comes to the outlet
         out = through & (crossing >= outlet[0]) & (crossing <= outlet[1])
         arrival[on_way[out]] = (time[on_way] + part * interval)[out]
         time[on_way] += interval
-        place[on_way] = _between_walls(there, width_m, bottom_m)
+        place[on_way] = _between_walls(there, width_m)
         on_way = on_way[~out & (time[on_way] < longest_s)]
         if not len(on_way):
             break
     return np.where(arrival <= longest_s, arrival, np.inf)
 
 
-def _between_walls(place: NDArray, width_m: float, bottom_m: float) -> NDArray:
+def _between_walls(place: NDArray, width_m: float) -> NDArray:
     """Places (n, 2), moved to the nearest one between the walls and above the bottom."""
-    return np.column_stack([np.clip(place[:, 0], 0.0, width_m), np.maximum(place[:, 1], bottom_m)])
+    return np.clip(place, 0.0, (width_m, np.inf))
 
 
 def _at_surface(points: NDArray, raster: Raster, spacing: float) -> NDArray:

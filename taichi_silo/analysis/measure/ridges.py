@@ -75,9 +75,7 @@ def thin(mask: NDArray) -> NDArray:
             return mask[1:-1, 1:-1]
 
 
-def ridges(
-    mask: NDArray, close: int, shortest: int, width: NDArray | None = None, keep: NDArray | None = None
-) -> Ridges:
+def ridges(mask: NDArray, close: int, shortest: int, width: NDArray, keep: NDArray) -> Ridges:
     """Find the thin lines of a mask of crest cells.
 
     Parameters
@@ -97,7 +95,7 @@ def ridges(
         for k, (arm, ends) in enumerate(zip(found.arms, found.ends, strict=True)):
             tips = [arm[0]] * ends[0] + [arm[-1]] * ends[1]
             least = shortest
-            if width is not None and not (keep is not None and sum(ends) == 1 and keep[tuple(tips[0])]):
+            if not (sum(ends) == 1 and keep[tuple(tips[0])]):
                 least = max(shortest, np.median(width[tuple(arm.T)]))
             if tips and len(arm) < least + close * sum(ends):  # thickening has made free ends longer
                 cut.append((len(arm), k))

@@ -1,12 +1,12 @@
 """Shear zones, read from the void ratio: thickness along a wall, and number of zones across the silo's axis.
 
 Sand that is sheared to its critical state changes its void ratio: dense sand dilates, loose sand contracts. A
-zone is therefore bounded where the change has fallen to half (`threshold`) of its extreme value, as a
+zone is therefore bounded where the change has fallen to half of its extreme value, as a
 half-width at half-maximum. Positions are (x, y) in metres with the left wall at x = 0 and the right one at
 x = width; heights are counted in the frame of the positions.
 
 Known limits: a zone narrower than the point spacing d reads between d/2 and d; the numbers are not defined at
-the free surface and at the bottom, which the default `heights` leave out.
+the free surface and at the bottom, which `HEIGHTS` and `AXIS_HEIGHTS` leave out.
 """
 
 from dataclasses import dataclass
@@ -18,6 +18,9 @@ from scipy.spatial import cKDTree
 from taichi_silo.analysis.measure.raster import clean, first_fall, inverse_distance_mean
 
 SMALLEST_CHANGE = 0.01  # of the void ratio; anything below is no zone
+HEIGHTS = (0.1, 0.8)  # of the fill height: lowest and highest row that is measured beside a wall
+AXIS_HEIGHTS = (0.05, 0.85)  # the same on the axis; zones cut by an end are lost
+REACH = 0.1  # of the width: how far from the wall the peak may lie
 
 
 @dataclass(frozen=True)
@@ -50,36 +53,16 @@ class InteriorZones:
 
 
 def wall_zone_thickness_m(
-    position: NDArray,
-    void_ratio: NDArray,
-    void_ratio_reference: NDArray,
-    width_m: float,
-    side: str = "left",
-    heights: tuple[float, float] = (0.1, 0.8),
-    threshold: float = 0.5,
-    reach: float = 0.1,
-    smallest_change: float = SMALLEST_CHANGE,
+    position: NDArray, void_ratio: NDArray, void_ratio_reference: NDArray, width_m: float, side: str = "left"
 ) -> WallZone:
-    """Return the thickness of the vertical zone along a wall.
+    """Return the thickness of the vertical zone along the wall of a side, "left" or "right".
 
     In each row of points the change c(x) = (e - e_ref) - (its median over the middle half of the row) is
     taken, so that a uniform loosening of the whole fill is not counted. Its extreme value c_peak is sought
-    within `reach` of the wall. The thickness is the distance from the wall to the first place behind the peak
-    where c / c_peak has fallen to `threshold`, with linear interpolation; half the silo's width if it never
-    does.
-
-    Parameters
-    ----------
-    position : (n, 2) places of the points [m].
-    void_ratio : (n,) now [-].
-    void_ratio_reference : (n,) of the same points after filling, or one number [-].
-    width_m : distance of the walls [m].
-    side : "left" or "right".
-    heights : lowest and highest row, as fractions of the fill height.
-    threshold : fraction of the peak that bounds the zone.
-    reach : how far from the wall the peak may lie, as a fraction of the width.
-    smallest_change : a peak below it counts as no zone, thickness 0.
-
+    within `REACH` of the wall; below `SMALLEST_CHANGE` there is no zone, thickness 0. The thickness is the distance
+    from the wall to the first place behind the peak where c / c_peak has fallen to half, with linear interpolation;
+    half the silo's width if it never does. Positions are (n, 2) [m], void ratios (n,), the reference that after
+    filling of the same points, or one number.
     """
     if side not in ("left", "right"):
         raise ValueError(f'side must be "left" or "right", got {side!r}')
@@ -87,18 +70,18 @@ def wall_zone_thickness_m(
     if len(points) < 4:
         return WallZone(np.nan, np.nan, np.nan, np.empty(0), np.empty(0), False)
     spacing = _spacing(points)
-    rows = _rows(points, heights, spacing)
+    rows = _rows(points, HEIGHTS, spacing)
     distance = np.arange(0.5 * spacing, width_m - 0.5 * spacing, spacing / 8.0)
     field = _field(points, change, distance if side == "left" else width_m - distance, rows)
     field -= np.median(field[:, np.abs(distance - 0.5 * width_m) < 0.25 * width_m], axis=1, keepdims=True)
 
-    near = distance <= max(reach * width_m, 0.75 * spacing)
+    near = distance <= max(REACH * width_m, 0.75 * spacing)
     peak = np.argmax(np.abs(field[:, near]), axis=1)
     value = np.take_along_axis(field, peak[:, None], axis=1)[:, 0]
     thickness = np.zeros(len(rows))
-    for row in np.flatnonzero(np.abs(value) >= smallest_change):
+    for row in np.flatnonzero(np.abs(value) >= SMALLEST_CHANGE):
         relative = field[row, peak[row] :] / value[row]
-        fall = first_fall(distance[peak[row] :], relative, threshold, never=np.inf)
+        fall = first_fall(distance[peak[row] :], relative, 0.5, never=np.inf)
         thickness[row] = min(fall, 0.5 * width_m)
     if not len(rows):
         return WallZone(np.nan, np.nan, np.nan, rows, thickness, False)
@@ -111,7 +94,6 @@ def interior_zone_count(
     position: NDArray,
     void_ratio: NDArray,
     width_m: float,
-    heights: tuple[float, float] = (0.05, 0.85),
     threshold: float = 0.5,
     smallest_change: float = SMALLEST_CHANGE,
 ) -> InteriorZones:
@@ -128,7 +110,6 @@ def interior_zone_count(
     position : (n, 2) places of the points [m].
     void_ratio : (n,) [-].
     width_m : distance of the walls [m].
-    heights : lowest and highest place on the axis, as fractions of the fill height; zones cut by an end are lost.
     threshold : strength, relative to the strongest zone, from which on a zone counts.
     smallest_change : no zone at all if band - background is below it.
 
@@ -138,7 +119,7 @@ def interior_zone_count(
     if len(points) < 4:
         return none
     spacing = _spacing(points)
-    rows = _rows(points, heights, spacing, step=0.5 * spacing)
+    rows = _rows(points, AXIS_HEIGHTS, spacing, step=0.5 * spacing)
     if len(rows) < 3:
         return none
     strip = 0.5 * width_m + spacing * np.linspace(-1.0, 1.0, 9)

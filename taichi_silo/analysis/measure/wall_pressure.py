@@ -15,20 +15,9 @@ def clear_of_corner(height_m: NDArray, cell_m: float = CELL_M) -> NDArray:
 
 
 def cell_mean(height_m: NDArray, stress_Pa: NDArray, cell_m: float = CELL_M) -> NDArray:
-    """Mean of the nodal stress (piecewise linear) over a pressure cell centred at each node.
+    """Mean (n,) of the nodal stress (piecewise linear) over a pressure cell centred at each node, of rising heights.
 
     Near an end the cell is cut off there. A stress that alternates from node to node averages out.
-
-    Parameters
-    ----------
-    height_m : (n,) rising heights of the nodes.
-    stress_Pa : (n,) nodal stresses.
-    cell_m : height of the cell.
-
-    Returns
-    -------
-    (n,) stresses [Pa].
-
     """
     height, stress = np.asarray(height_m, float), np.asarray(stress_Pa, float)
     if len(height) < 2:

@@ -92,21 +92,9 @@ def measured_zone(
     d50_m: float,
     internal_length_m: float,
 ) -> Zone | None:
-    """Measure an arm of a ridge line.
+    """Measure an arm (k, 2) [m] of the ridge line number `component`; `free` says which of its ends are free.
 
-    Parameters
-    ----------
-    body : the points.
-    arm : (k, 2) places along it [m].
-    component : number of its ridge line.
-    free : whether its first and its last place are free ends, not branching points.
-    junctions : (m, 2) branching points [m].
-    d50_m, internal_length_m : lengths that the thickness is divided by.
-
-    Returns
-    -------
-    The zone; None if there are fewer than four stations or none in which the strain falls to half.
-
+    None if fewer than four stations are clear of the junctions (m, 2) [m], or the strain falls to half in none.
     """
     line, across = _stations(arm, body.spacing)
     offset = np.arange(-REACH, REACH, FINEST * body.spacing / body.width) * body.width

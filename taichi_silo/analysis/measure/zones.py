@@ -9,15 +9,16 @@ middle the centroid of that part. At a wall a zone ends.
 Known limits:
 
 - Zones narrower than two spacings read 1 to 2 spacings; nothing thinner than about one can be read.
-- Parallel zones whose middles are nearer than 1.2 thicknesses, or than three times `smooth_m`, are one.
-- Ridges within `wall_clear_m` of a wall are left out: `wall_zone_thickness_m` measures the zones along
-  walls. Zones that reach this strip are prolonged straight on to the wall, so a bent zone's height there is off by
-  about curvature * strip^2.
-- Zones shorter than four times `smooth_m`, shorter than thick, or weaker than 0.15 of the strongest are not seen.
-- Branching points are found to about half a thickness; those nearer than four times `smooth_m` to each other are one.
+- Parallel zones whose middles are nearer than 1.2 thicknesses, or than three times `SMOOTH`, are one; zones thicker
+  than ten times `SMOOTH` may break up in noise.
+- Ridges within `WALL_CLEAR` of a wall are left out: `wall_zone_thickness_m` measures the zones along walls. Zones that
+  reach this strip are prolonged straight on to the wall, so a bent zone's height there is off by about
+  curvature * strip^2.
+- Zones shorter than four times `SMOOTH`, shorter than thick, or weaker than 0.15 of the strongest are not seen.
+- Branching points are found to about half a thickness; those nearer than four times `SMOOTH` to each other are one.
 - The curvature's error is up to 8 spacings / length^2; of a short straight zone it is not zero.
 - The excess is over one background for the whole body. Where the strain also varies widely with height (the rate near
-  an outlet), zones far from the strongest place fall below the threshold; measure parts (`heights`) then.
+  an outlet), zones far from the strongest place fall below the threshold.
 """
 
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ from taichi_silo.analysis.measure.raster import Raster, clean, point_spacing_m
 from taichi_silo.analysis.measure.ridges import crest, ridges
 from taichi_silo.analysis.measure.zone import CELLS, Body, Zone, measured_zone
 
+HEIGHTS = (0.05, 0.9)  # of the body: lowest and highest place of ridges
 THRESHOLD = 0.15  # of the strongest zone's excess: zones are several times as strong near the walls as on the axis
 CONTRAST = 1.0  # of the strongest excess to the background, below which there is no zone
 SMOOTH = 0.02  # of the width: standard deviation of the bell that ridges are found with; a spacing at least
@@ -68,11 +70,6 @@ def shear_zones(
     spacing_m: float | None = None,
     d50_m: float = np.nan,
     internal_length_m: float = np.nan,
-    heights: tuple[float, float] = (0.05, 0.9),
-    threshold: float = THRESHOLD,
-    contrast: float = CONTRAST,
-    wall_clear_m: float | None = None,
-    smooth_m: float | None = None,
 ) -> Zones:
     """Find and measure the shear zones inside the body.
 
@@ -84,13 +81,6 @@ def shear_zones(
     void_ratio_change : (n,) void ratio less that after filling, optional.
     spacing_m : of the points; the distance to the nearest four, if not told.
     d50_m, internal_length_m : lengths that thicknesses are divided by.
-    heights : lowest and highest place of ridges, as fractions of the height of the body.
-    threshold : excess over that of the strongest zone, from which on there is a ridge.
-    contrast : least excess of the strongest zone over the background.
-    wall_clear_m : strip along the walls without ridges; 0.125 widths and three spacings at least, if not told.
-    smooth_m : standard deviation of the bell that smooths the field before ridges are found (thicknesses are measured
-        without it); 0.02 widths and a spacing at least, if not told. Zones thicker than ten of it may break up in
-        noise.
 
     Raises ValueError if the width is not positive, lengths of arrays differ, or there are fewer than 25 points.
     """
@@ -101,23 +91,23 @@ def shear_zones(
     if len(points) < 25:
         raise ValueError(f"shear zones need 25 points, there are {len(points)}")
     spacing = spacing_m or point_spacing_m(points)
-    clear = max(WALL_CLEAR * width_m, 3.0 * spacing) if wall_clear_m is None else wall_clear_m
+    clear = max(WALL_CLEAR * width_m, 3.0 * spacing)
     background = float(np.median(strain))
     excess = strain - background
     raster = Raster.over(points, width_m, spacing, cells=CELLS)
-    sigma = (smooth_m or max(spacing, SMOOTH * width_m)) / raster.cell_m
+    sigma = max(spacing, SMOOTH * width_m) / raster.cell_m
     smooth, on, curvature = crest(raster.of(excess), sigma)
     low, high = np.quantile(points[:, 1], (0.0, 0.995))
     row = (raster.y_m[:, None] - low) / (high - low)
     wall = np.minimum(raster.x_m, width_m - raster.x_m)[None, :]
-    allowed = raster.inside & (row >= heights[0]) & (row <= heights[1]) & (wall >= clear) & on
+    allowed = raster.inside & (row >= HEIGHTS[0]) & (row <= HEIGHTS[1]) & (wall >= clear) & on
     strongest = float(smooth[allowed].max(initial=0.0))
-    if not strongest > 0.0 or strongest < contrast * background:
+    if not strongest > 0.0 or strongest < CONTRAST * background:
         return Zones(0, (), np.empty((0, 2)), np.empty((0, 2)), background, spacing)
     with np.errstate(invalid="ignore", divide="ignore"):
         wide = np.sqrt(8.0 * np.log(2.0) * np.maximum(smooth, 0.0) / np.abs(curvature))
     lines = ridges(
-        allowed & (smooth >= threshold * strongest),
+        allowed & (smooth >= THRESHOLD * strongest),
         close=round(sigma),
         shortest=round(SHORTEST * sigma),
         width=wide,
@@ -126,14 +116,11 @@ def shear_zones(
     body = Body(points, excess, change[0] - np.median(change[0]) if change else None, spacing, width_m, clear)
     corner = np.array([raster.x_m[0], raster.y_m[0]])
     junctions = corner + lines.junctions[:, ::-1] * raster.cell_m
-    found = []
-    for arm, component, ends in zip(lines.arms, lines.component, lines.ends, strict=True):
-        zone = measured_zone(
-            body, corner + arm[:, ::-1] * raster.cell_m, component, ends, junctions, d50_m, internal_length_m
-        )
-        if zone is not None:
-            found.append(zone)
-    found.sort(key=lambda zone: -zone.length_m)
+    measured = (
+        measured_zone(body, corner + arm[:, ::-1] * raster.cell_m, component, ends, junctions, d50_m, internal_length_m)
+        for arm, component, ends in zip(lines.arms, lines.component, lines.ends, strict=True)
+    )
+    found = sorted((zone for zone in measured if zone is not None), key=lambda zone: -zone.length_m)
     return Zones(lines.count, tuple(found), junctions, _on_walls(found, body), background, spacing)
 
 

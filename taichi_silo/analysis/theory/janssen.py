@@ -48,18 +48,13 @@ class Janssen:
 
     Parameters
     ----------
-    width_m : float
-        Distance b of the walls, or the diameter d [m].
-    height_m : float
-        Fill height h [m].
-    weight_density_N_per_m3 : float
-        gamma = rho_s g / (1 + e) [N/m3].
-    wall_friction_angle_deg : float
-        phi_w, with mu = tan(phi_w) [degrees]; zero is a frictionless wall.
-    pressure_ratio : float
-        K = horizontal over vertical stress [-].
-    section : str
-        "plane" (the default) or "round".
+    width_m : distance b of the walls, or the diameter d [m].
+    height_m : of the fill, h [m].
+    weight_density_N_per_m3 : gamma = rho_s g / (1 + e).
+    wall_friction_angle_deg : phi_w, with mu = tan(phi_w); zero is a frictionless wall.
+    pressure_ratio : K = horizontal over vertical stress [-].
+    section : "plane" or "round".
+
     """
 
     width_m: float

@@ -67,26 +67,17 @@ class WalkerHopper:
 
     Parameters
     ----------
-    width_m : float
-        Distance of the walls, or the diameter, at the transition [m].
-    outlet_m : float
-        The same at the outlet, in (0, width_m) [m].
-    half_angle_deg : float
-        beta, of the wall to the vertical, in (0, 90) [degrees].
-    weight_density_N_per_m3 : float
-        gamma [N/m3].
-    wall_friction_angle_deg : float
-        phi_w of the hopper's wall, in [0, 90) [degrees].
-    transition_stress_Pa : float
-        Vertical stress sigma_vt at the transition, 0 or more [Pa].
-    state : str or float
-        "filling", "discharge", or F itself, positive.
-    section : str
-        "plane" or "round".
-    internal_friction_angle_deg : float, optional
-        phi_i, needed for "discharge" [degrees].
-    pressure_ratio : float, optional
-        K in (0, 1) of the fill, which decides whether the hopper is shallow; without it friction is mobilised.
+    width_m, outlet_m : distance of the walls, or the diameter, at the transition and at the outlet [m].
+    half_angle_deg : beta, of the wall to the vertical, in (0, 90).
+    weight_density_N_per_m3 : gamma.
+    wall_friction_angle_deg : phi_w of the hopper's wall, in [0, 90).
+    transition_stress_Pa : vertical stress sigma_vt at the transition, 0 or more.
+    state : "filling", "discharge", or F itself, positive.
+    section : "plane" or "round".
+    internal_friction_angle_deg : phi_i, needed for "discharge".
+    pressure_ratio : K in (0, 1) of the fill, which decides whether the hopper is shallow; without it friction is
+        mobilised.
+
     """
 
     width_m: float

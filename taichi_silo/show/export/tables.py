@@ -18,16 +18,7 @@ DIGITS = {np.dtype(np.float32): 7, np.dtype(np.float64): 10}
 def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) -> int:
     """Write all states of a run into a folder of tables, which is there when all are complete, or not at all.
 
-    Parameters
-    ----------
-    run : whose states are written.
-    target : the folder; tables of an earlier export are replaced.
-    seen : hears of each state that is written.
-
-    Returns
-    -------
-    Number of states.
-
+    Tables of an earlier export are replaced. `seen` hears of each state that is written; returns their number.
     """
     passing = target.with_name(f"{target.name}.part")
     shutil.rmtree(passing, ignore_errors=True)

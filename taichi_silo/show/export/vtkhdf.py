@@ -23,16 +23,7 @@ PACKED = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) -> int:
     """Write all states of a run into a file, which is there when it is complete, or not at all.
 
-    Parameters
-    ----------
-    run : whose states are written.
-    target : the file.
-    seen : hears of each state that is written.
-
-    Returns
-    -------
-    Number of states.
-
+    `seen` hears of each state that is written; returns their number.
     """
     with atomic_write.written(target) as passing, open(passing, "w+b", buffering=0) as stream:
         sink = Sink(stream)
@@ -53,13 +44,7 @@ def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) ->
 
 
 class Sink(io.RawIOBase):
-    """A file whose write errors are kept until `check`: HDF5 cannot bear them, and would end the process later.
-
-    Parameters
-    ----------
-    stream : of the file, unbuffered.
-
-    """
+    """An unbuffered file whose write errors are kept until `check`: HDF5 cannot bear them, and would crash later."""
 
     def __init__(self, stream):
         self.stream, self.trouble, self.place = stream, None, 0

@@ -1,5 +1,6 @@
 """Runs laid over each other: P, T, N and wall angle against displacement or time, and wall stresses against height."""
 
+import itertools
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -27,19 +28,13 @@ MARKS = {"left": "<", "right": ">"}
 def plot_compared(runs: list[Result], measured: list, with_janssen: bool, target: Path) -> list[Path]:
     """Draw `compare_forces.png` and `compare_walls.png` into a folder, and return the paths of those that have data.
 
-    Parameters
-    ----------
-    runs : at least one.
-    measured : tables of measurements (`studies.compare.measured.Measured`).
-    with_janssen : draw Janssen's theory at the law's own pressure ratio.
-    target : the folder.
-
+    `measured` are `studies.compare.measured.Measured`; Janssen's theory is at the law's own pressure ratio.
     """
-    figures = {"compare_forces": forces_figure, "compare_walls": walls_figure}
-    return draw_all(
-        {name: lambda data, draw=draw: draw(*data) for name, draw in figures.items()},
-        (runs, measured, with_janssen), target,
-    )  # fmt: skip
+    figures = {
+        "compare_forces": lambda runs: forces_figure(runs, measured, with_janssen),
+        "compare_walls": lambda runs: walls_figure(runs, measured, with_janssen),
+    }
+    return draw_all(figures, runs, target)
 
 
 def forces_figure(runs: list[Result], measured: list, with_janssen: bool) -> Figure | None:
@@ -155,8 +150,7 @@ def _points(panel, x, y, label: str, mark: str) -> None:
 
 
 def _legend(figure, panels) -> None:
-    handles: dict[str, Any] = {}
-    for panel in panels:
-        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
+    """One legend below the panels, of all their labels, each once."""
+    found = [zip(*reversed(panel.get_legend_handles_labels()), strict=True) for panel in panels]
+    handles: dict[str, Any] = dict(itertools.chain.from_iterable(found))
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=2 if len(handles) > 3 else 1)

@@ -9,26 +9,14 @@ from matplotlib.ticker import MaxNLocator
 
 from taichi_silo.runs.result import Result
 from taichi_silo.show import theory
-from taichi_silo.show.figures.style import (
-    BLUE,
-    GREEN,
-    REFERENCE,
-    VERMILLION,
-    new_figure,
-    put_title,
-    start_at_zero,
-)
+from taichi_silo.show.figures.style import BLUE, GREEN, REFERENCE, VERMILLION, new_figure, put_title, start_at_zero
 from taichi_silo.show.titles import title
 
 SMOOTHING = 0.005  # window of the median lines, as a fraction of the whole displacement
 LEAST_SHARE = 0.01  # of the weight: a smaller N makes no angle
 ASYMMETRY = 0.05  # difference of the walls' forces, relative to their mean, from which on each wall is drawn
 
-FORCES = {
-    "P": "bottom force P (kN/m)",
-    "T": "wall friction force T (kN/m)",
-    "N": "wall normal force N (kN/m)",
-}
+FORCES = {"P": "bottom force P (kN/m)", "T": "wall friction force T (kN/m)", "N": "wall normal force N (kN/m)"}
 ANGLE = r"wall friction angle $\varphi_w$ = arctan(T/N) (°)"
 
 
@@ -88,20 +76,14 @@ def draw_curve(panel, run: Result, quantity, color, label, raw_label=None):
     x = 1e3 * rows["displacement_m"] if flowing else rows["time_s"]
     y = pd.Series(quantity(rows), index=rows.index)
     panel.plot(x, y, color=color, alpha=0.35, linewidth=0.6, label=raw_label)
-    panel.plot(x, running_median(x, y), color=color, label=_median_label(label, x) if raw_label else label)
+    window = f" over {_window(x):.2g} {'mm' if flowing else 's'}" if raw_label else ""
+    panel.plot(x, running_median(x, y), color=color, label=f"{label}{window}")
     if run.filled is not None:
-        at_rest = 0.0 if flowing else x.iloc[-1]
         panel.plot(
-            at_rest,
-            quantity(run.filled),
-            "o",
-            color=color,
-            markeredgecolor="white",
-            markersize=9,
-            clip_on=False,
-            zorder=4,
+            0.0 if flowing else x.iloc[-1], quantity(run.filled), "o", color=color, markeredgecolor="white",
+            markersize=9, clip_on=False, zorder=4,
             label=("end of filling" if flowing else "last state") if raw_label else None,
-        )
+        )  # fmt: skip
 
 
 def _each_wall(panel, run: Result, name: str, color):
@@ -124,10 +106,6 @@ def _window(x) -> float:
     return SMOOTHING * (x.iloc[-1] - x.iloc[0])
 
 
-def _median_label(label: str, x) -> str:
-    return f"{label} over {_window(x):.2g} {'mm' if x.name == 'displacement_m' else 's'}"
-
-
 def running_median(x, y) -> pd.Series:
     """The running median over a centred window of constant width in x, which narrows at the start.
 
@@ -144,12 +122,8 @@ def running_median(x, y) -> pd.Series:
 def curve(run: Result, name: str, place: str = "displacement_m") -> tuple[np.ndarray, np.ndarray]:
     """Places and values [N/m, or degrees] of a run's curve: the state after filling, then the flow's running median.
 
-    Parameters
-    ----------
-    run : of a silo.
-    name : P, T, N, left_normal, left_shear, right_normal, right_shear, or angle.
-    place : "displacement_m", or "time_s" since the outflow began.
-
+    `name` is P, T, N, a wall's force such as left_normal, or angle; `place` "displacement_m", or "time_s" since the
+    outflow began.
     """
     rows = run.flow
     if rows.empty:
@@ -179,11 +153,7 @@ def janssen_line(panel, run: Result, name: str):
     fill = theory.janssen(run, ratio)
     if fill is None:
         return
-    value = {
-        "P": fill.bottom_force_N_per_m,
-        "T": fill.shear_force_N_per_m,
-        "N": fill.normal_force_N_per_m,
-    }[name]
+    value = {"P": fill.bottom_force_N_per_m, "T": fill.shear_force_N_per_m, "N": fill.normal_force_N_per_m}[name]
     _reference_line(panel, value / 1e3, "--", f"Janssen, {origin} = {ratio:.2f}")
 
 

@@ -46,15 +46,7 @@ MOMENTS = {"filled": "after filling", "least": "least in flow", "largest": "larg
 
 
 def response_figure(table: pd.DataFrame, varied: list[str], response) -> Figure | None:
-    """Return a panel for each varied quantity, or None if no run has an answer yet.
-
-    Parameters
-    ----------
-    table : rows of `sweep.csv`.
-    varied : columns of what varied.
-    response : its `y`; its `x`, which comes first; its `colour`.
-
-    """
+    """Return a panel for each varied column of a `sweep.csv`, `response.x` first; None if no run has an answer."""
     known = table[table[response.y].notna()]
     if known.empty or not varied:
         return None
@@ -122,7 +114,7 @@ def _panel(figure, panel, table: pd.DataFrame, x: str, y: str, colour: str | Non
     if not there.all():
         low = panel.get_xaxis_transform()
         panel.plot(places[~there], np.full((~there).sum(), 0.03), "x", color=REFERENCE, transform=low, clip_on=False)
-        handles = [*handles, Line2D([], [], marker="x", linestyle="", color=REFERENCE, label="no answer")]
+        handles = [*handles, _mark(REFERENCE, "no answer", "x")]
     if ticks is not None:
         panel.set_xticks(range(len(ticks)), ticks)
         panel.set_xlim(-0.6, len(ticks) - 0.4)
@@ -155,9 +147,8 @@ def _places(values: pd.Series, factor: float) -> tuple[np.ndarray, list[str] | N
     """Places of a column's values on an axis, and the words written there if they are no numbers."""
     if _is_number(values):
         return values.to_numpy(float) * factor, None
-    words = [_word(value) for value in values]
-    known = list(dict.fromkeys(words))
-    return np.array([known.index(word) for word in words], float), known
+    places, known = pd.factorize(values.map(_word, na_action=None))
+    return places.astype(float), list(known)
 
 
 def _shades(values: pd.Series) -> tuple[list, list[Line2D], ScalarMappable | None]:
@@ -165,12 +156,12 @@ def _shades(values: pd.Series) -> tuple[list, list[Line2D], ScalarMappable | Non
     if not _is_number(values):
         words = [_word(value) for value in values]
         known = dict(zip(dict.fromkeys(words), WORDS * (1 + len(words)), strict=False))
-        return [known[word] for word in words], [_dot(shade, word) for word, shade in known.items()], None
+        return [known[word] for word in words], [_mark(shade, word) for word, shade in known.items()], None
     numbers = values.to_numpy(float) * _parts(values.name)[2]
     steps, colours = sorted(set(numbers)), colormaps[NUMBERS]
     if len(steps) <= len(WORDS):
         shades = {one: colours(BRIGHTEST * k / max(len(steps) - 1, 1)) for k, one in enumerate(steps)}
-        return [shades[one] for one in numbers], [_dot(shade, f"{one:.4g}") for one, shade in shades.items()], None
+        return [shades[one] for one in numbers], [_mark(shade, f"{one:.4g}") for one, shade in shades.items()], None
     norm = (LogNorm if _wide(numbers) else Normalize)(steps[0], steps[-1])
     bar = ScalarMappable(norm, ListedColormap(colours(np.linspace(0.0, BRIGHTEST, 256))))
     return list(bar.to_rgba(numbers)), [], bar
@@ -178,9 +169,8 @@ def _shades(values: pd.Series) -> tuple[list, list[Line2D], ScalarMappable | Non
 
 def _ranks(values: pd.Series) -> np.ndarray:
     """Rank of each value, 0 to 1; words are ranked as they first occur, a single value has 0.5."""
-    places = _places(values, 1.0)[0]
-    known = sorted(set(places))
-    return np.array([known.index(one) / (len(known) - 1) if len(known) > 1 else 0.5 for one in places])
+    ranks = pd.Series(_places(values, 1.0)[0]).rank(method="dense").to_numpy() - 1.0
+    return ranks / ranks.max() if ranks.max() > 0.0 else np.full(len(ranks), 0.5)
 
 
 def _marks(table: pd.DataFrame, columns: list[str]) -> tuple[list[str], list[Line2D]]:
@@ -190,15 +180,14 @@ def _marks(table: pd.DataFrame, columns: list[str]) -> tuple[list[str], list[Lin
         known = dict(zip(dict.fromkeys(words), MARKS, strict=False))
         if 1 < len(set(words)) <= len(MARKS):
             name = f"{_parts(column)[0].split()[-1]} " if _is_number(table[column]) else ""
-            return [known[word] for word in words], [
-                Line2D([], [], marker=mark, linestyle="", color=REFERENCE, label=f"{name}{word}")
-                for word, mark in known.items()
-            ]
+            handles = [_mark(REFERENCE, f"{name}{word}", mark) for word, mark in known.items()]
+            return [known[word] for word in words], handles
     return [MARK] * len(table), []
 
 
-def _dot(color, words: str) -> Line2D:
-    return Line2D([], [], marker="o", linestyle="", color=color, label=words)
+def _mark(color, words: str, mark: str = MARK) -> Line2D:
+    """A marker for a legend."""
+    return Line2D([], [], marker=mark, linestyle="", color=color, label=words)
 
 
 def _is_number(values: pd.Series) -> bool:
@@ -212,6 +201,6 @@ def _wide(values: np.ndarray) -> bool:
 
 
 def _word(value) -> str:
-    if value is None or (isinstance(value, float) and math.isnan(value)):
+    if pd.isna(value):
         return "none"
     return f"{value:.4g}" if isinstance(value, float) else str(value)

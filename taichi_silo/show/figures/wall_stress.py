@@ -41,7 +41,7 @@ def run_wall_stress_figure(run: Result) -> Figure | None:
 def fit_bold(panels):
     """Let the bold curves fill the axis: single nodes in a corner may stick out."""
     bold = [line.get_xdata() for panel in panels for line in panel.get_lines() if line.get_linewidth() >= BOLD]
-    largest = max((float(curve[np.isfinite(curve)].max(initial=0.0)) for curve in map(np.asarray, bold)), default=0.0)
+    largest = np.nanmax(np.concatenate([[0.0], *bold]))
     if largest > 0.0:
         panels[0].set_xlim(right=1.35 * largest)
 
@@ -89,13 +89,9 @@ def _draw_janssen(panel, run: Result, quantity: str, name_origin: bool):
         label = f"Janssen, {origin}"
         if name_origin:
             label += f" = {ratio:.2f}, $\\varphi_w$ = {fill.wall_friction_angle_deg:.3g}°"
+        place = 1e3 * (run.scene.silo.transition_m + height)
         panel.plot(
-            stress(fill.height_m - height) / 1e3,
-            1e3 * (run.scene.silo.transition_m + height),
-            color=REFERENCE,
-            linestyle=line,
-            zorder=3.5,
-            label=label,
+            stress(fill.height_m - height) / 1e3, place, color=REFERENCE, linestyle=line, zorder=3.5, label=label
         )
 
 

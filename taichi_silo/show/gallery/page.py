@@ -45,13 +45,7 @@ class GalleryEntry:
 
 
 def gather(root: Path, page: Path, seen: Callable[[int, int], None] = lambda number, count: None) -> list[GalleryEntry]:
-    """What the page in the folder `page` shows of the runs below `root`.
-
-    Parameters
-    ----------
-    root : folder that is searched.
-    page : folder of the page.
-    seen : hears how many of how many runs are done.
+    """What the page in the folder `page` shows of the runs below `root`; `seen` hears how many of how many are done.
 
     Raises BadInput if there is no run with a film or a figure.
     """

@@ -1,5 +1,6 @@
 """`report.html`: everything that a run's folder tells, in one file that needs no other."""
 
+import contextlib
 import datetime
 import re
 from collections.abc import Sequence
@@ -46,14 +47,10 @@ FIGURES = {  # name: (what it shows, for those who cannot see it; a caption)
 
 
 def write_report(folder: Path, file: Path | None = None) -> Path:
-    """Write the report of a run and return where it is; in one piece or not at all.
+    """Write the report of a run, finished or not, in one piece or not at all, and return where it is.
 
-    Parameters
-    ----------
-    folder : of the run, finished or not.
-    file : where to; `report.html` in the folder if absent.
-
-    Raises BadInput if the folder holds no run of a silo, or the file cannot be written.
+    That is `report.html` in its folder, if not told. Raises BadInput if the folder holds no run of a silo, or the file
+    cannot be written.
     """
     run = Result(folder, tolerant=True)
     run.scene  # noqa: B018 - which no report can do without
@@ -71,18 +68,14 @@ def write_report(folder: Path, file: Path | None = None) -> Path:
 
 
 def _draw(folder: Path) -> list[str]:
-    """The figures of a run that goes on, or ended before it could draw them, where the folder can be written.
+    """Draw the figures of a run that goes on, or ended before it could, where the folder can be written.
 
-    Returns
-    -------
-    A sentence if its files are too damaged for that.
-
+    Returns a sentence if the run's files are too damaged for that.
     """
     no_link(folder / "figures", *(folder / "figures").glob("*"))
     try:
-        plot_run(folder)
-    except OSError:
-        return []
+        with contextlib.suppress(OSError):
+            plot_run(folder)
     except BadInput as error:
         return [f"Figures are missing: {error}."]
     return []

@@ -22,20 +22,12 @@ BEGIN, END = 0.1, 0.5  # of the sand: between them the rate of a free outflow is
 
 @dataclass(frozen=True)
 class Force:
-    """One force [N/m], or the angle arctan(T/N) [degrees], in the three states; None where the run does not tell.
-
-    Attributes
-    ----------
-    filled : after filling.
-    peak, peak_m : its least (P) or largest value in flow, and the displacement there [m].
-    residual : mean of the last part of the flow.
-
-    """
+    """One force [N/m], or the angle arctan(T/N) [degrees], in the three states; None where the run does not tell."""
 
     filled: float | None = None
-    peak: float | None = None
-    peak_m: float | None = None
-    residual: float | None = None
+    peak: float | None = None  # its least (P) or largest value in flow
+    peak_m: float | None = None  # the displacement there
+    residual: float | None = None  # mean of the last part of the flow
 
 
 @dataclass(frozen=True)

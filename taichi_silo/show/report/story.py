@@ -10,14 +10,7 @@ LAWS = {
 
 
 def story(run: Result, sand: str) -> list[tuple[str, str]]:
-    """Name and sentence of each part of the model.
-
-    Parameters
-    ----------
-    run : of a silo.
-    sand : its title.
-
-    """
+    """Name and sentence of each part of the model; `sand` is the title of its sand."""
     return [
         ("Sand", _sand(run, sand)),
         ("Walls", _walls(run)),

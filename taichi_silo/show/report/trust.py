@@ -62,15 +62,9 @@ CHECKS = (  # name, key of the certificate, upper limit of the size, of which ru
 
 @dataclass(frozen=True)
 class CertificateCheck:
-    """One number of the certificate.
+    """One number of the certificate, in words, with its meaning for readers who do not know the method.
 
-    Attributes
-    ----------
-    name : what it is.
-    means : in a sentence, for readers who do not know the method.
-    value, limit : in words.
-    passed : whether it is within its limit; None where there is none for this kind of silo.
-
+    `passed` says whether it is within its limit; None where there is none for this kind of silo.
     """
 
     name: str

@@ -45,14 +45,7 @@ class Comparison:
 
 
 def compared(folders: list[Path], output: Path, *, janssen: bool, csv: list[Path]) -> Comparison:
-    """Compare runs and leave tables and figures.
-
-    Parameters
-    ----------
-    folders : of the runs.
-    output : folder of what is left.
-    janssen : whether theory is wanted.
-    csv : files of measurements.
+    """Compare runs, with theory if `janssen`, with measurements in `csv` files, and leave tables and figures.
 
     Raises BadInput before anything is written: if a folder or a file is not what it must be, or there is nothing to
     compare with.

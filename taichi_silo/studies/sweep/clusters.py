@@ -22,14 +22,9 @@ NEEDED = (
 
 
 class DaskPool(ProcessPool):
-    """Tasks at the workers of dask; one whose worker dies is begun again as often as the scheduler allows.
+    """`jobs` tasks at a time at the workers of a client of dask; a worker begins one whose process crashed again.
 
-    Parameters
-    ----------
-    client : of `distributed`.
-    jobs : tasks at a time.
-    retries : how often a worker begins a task again whose process crashed.
-
+    A task whose worker dies is begun again as often as the scheduler allows.
     """
 
     def __init__(self, client, jobs: int, retries: int):

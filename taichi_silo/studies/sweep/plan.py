@@ -39,27 +39,14 @@ WORDS = {"low", "high", "choices"}  # of a quantity's range, by which its table 
 
 
 class Sweep(Options):
-    """A parameter study.
+    """A parameter study: scenes, what varies in them, what is plotted, and where they are run."""
 
-    Attributes
-    ----------
-    scene : files, or values at dotted paths; the default silo if absent.
-    fidelity : named cell size and speed of all runs, unless they vary.
-    film : whether to draw the films.
-    retries : how often a run is begun again whose process crashed or whose worker died.
-    grid : values at dotted paths, of which every combination is run.
-    latin_hypercube : draws instead of combinations.
-    response : what to plot.
-    cluster : where to run.
-
-    """
-
-    scene: dict[str, Any] | tuple[Path, ...] = ()
-    fidelity: str | None = None
+    scene: dict[str, Any] | tuple[Path, ...] = ()  # values at dotted paths, or files
+    fidelity: str | None = None  # of all runs, unless it varies
     film: bool = False
-    retries: int = Field(3, ge=0, le=1000)
-    grid: dict[str, tuple[Any, ...]] = {}
-    latin_hypercube: LatinHypercube | None = None
+    retries: int = Field(3, ge=0, le=1000)  # of a run whose process crashed or whose worker died
+    grid: dict[str, tuple[Any, ...]] = {}  # by dotted paths; every combination is run
+    latin_hypercube: LatinHypercube | None = None  # draws instead of combinations
     response: Response = Response()
     cluster: Cluster = Local()
 
@@ -163,15 +150,9 @@ def from_flags(files: list[Path], texts: list[str]) -> Sweep:
 
 
 def from_command_line(file: Path | None, files: list[Path], texts: list[str], flags: dict) -> Sweep:
-    """The sweep of a command line.
+    """The sweep of a file, or of scene files and the texts that say what varies; raises BadInput if it cannot be.
 
-    Parameters
-    ----------
-    file : of a sweep.
-    files, texts : instead of it, scenes and what varies.
-    flags : fidelity, film, jobs, scheduler and slurm; those that are given come before what the file says.
-
-    Raises BadInput if that is not possible.
+    The flags fidelity, film, jobs, scheduler and slurm, if they are given, come before what the file says.
     """
     if file is not None and (files or texts):
         raise BadInput(f"vary and scene are flags of a sweep without a file; {file} must say what varies")

@@ -71,10 +71,7 @@ class Run:
         """Do what is left: nothing if another attempt has finished it by now, the rest if one has begun it, or all.
 
         This is the one place that decides about what an earlier attempt left. No two processes attempt a run at once.
-
-        Parameters
-        ----------
-        extra : further observers.
+        `extra` are further observers.
 
         Raises BadInput if the folder cannot be written, or another process does not let go of it; RunFailed, Stopped as
         `session.run`.
@@ -156,18 +153,9 @@ def simulate(
 ) -> dict[str, str]:
     """Run all, each in a process of its own: from the start what is finished, and what was left from where it was.
 
-    Parameters
-    ----------
-    runs : by their names.
-    pool : that does them, or how many at a time on this machine.
-    console : where to say how far they are.
-    ended : hears the name of each that has ended, and why it failed, a sentence, or nothing.
-    expected : their costs, if they are known: the longest is begun first.
-
-    Returns
-    -------
-    The sentences of those that failed, by their names.
-
+    `pool` may be a number of runs at a time on this machine. `ended` hears the name of each that has ended, and why it
+    failed, a sentence, or nothing. If their costs are known, the longest is begun first. Returns the sentences of those
+    that failed, by their names.
     """
     tasks, unseen = [], []
     for name, run in runs.items():

@@ -22,16 +22,7 @@ LOCK = ".sweep"  # in the output: one sweep at a time
 
 @dataclass
 class Study:
-    """The runs of a sweep in a folder.
-
-    Attributes
-    ----------
-    sweep : what is wanted.
-    folder : of the runs, the table and the figures.
-    console : that tells it.
-    overwrite : whether what is there is run anew.
-
-    """
+    """The runs, the table and the figures of a sweep in a folder; what is there is run anew only to `overwrite` it."""
 
     sweep: Sweep
     folder: Path

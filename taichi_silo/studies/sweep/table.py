@@ -20,20 +20,9 @@ NO_NUMBERS = ("flow_pattern",)
 
 
 def row(name: str, run: Run, paths: list[str], failure: str = "") -> dict:
-    """Of one run.
+    """Row of one run: its name, its values at dotted paths, what it `found`, what it cost, and whether it failed.
 
-    Parameters
-    ----------
-    name : of the run.
-    run : its scene and folder.
-    paths : dotted paths whose values become columns.
-    failure : why it left nothing, if that is known.
-
-    Returns
-    -------
-    run; one column a path; what `found` returns; points, steps and seconds of one core; warnings (number); finished;
-    failure.
-
+    `failure` is why it left nothing, if that is known.
     """
     summary = run.summary
     cost, finished = summary.get("cost", {}), summary.get("finished", False) and not failure
@@ -48,13 +37,10 @@ def row(name: str, run: Run, paths: list[str], failure: str = "") -> dict:
 def found(summary: dict) -> dict:
     """What a run found, None where it found nothing.
 
-    Returns
-    -------
     P, T, N after filling, their extreme in flow and their residual [N/m]; wall friction angle [deg] at the same times;
     largest wall normal stress of all states away from the corner, at a node and as a pressure cell reads it [Pa], and
     the largest factor of it to that after filling; flow pattern, and the share of sand that stands still; sand that has
     left [kg/m].
-
     """
     filling, peak, residual = (summary.get(key, {}) for key in ("filling", "peak", "residual"))
     cells = {}
@@ -84,25 +70,14 @@ def leave(file: Path, rows: Iterable[dict]) -> pd.DataFrame:
 
 
 class Response(Options):
-    """Columns of the sweep's table.
+    """Columns of the sweep's table that are drawn."""
 
-    Attributes
-    ----------
-    x : what varied, first in the figure; what varies first if absent.
-    y : what was found.
-    colour : what tells the points apart, varied or found; another that varied if absent.
-
-    """
-
-    x: str | None = None
-    y: str = PRESSURE
-    colour: str | None = None
+    x: str | None = None  # what varied, first in the figure; what varies first if absent
+    y: str = PRESSURE  # what was found
+    colour: str | None = None  # what tells the points apart, varied or found; another that varied if absent
 
     def check(self, columns: list[str]) -> None:
-        """Refuse what the table of these varied columns does not hold.
-
-        Raises BadInput with the name that was perhaps meant.
-        """
+        """Refuse what the table of these varied columns does not hold, with the name that was perhaps meant."""
         numbers = [name for name in found({}) if name not in NO_NUMBERS]
         _one_of("response.y", self.y, numbers)
         if self.x is not None:
