@@ -28,28 +28,16 @@ LARGEST_STRAIN = {"axial": 0.5, "shear": 5.0}
 
 @dataclass(frozen=True)
 class ElementTest:
-    """What is prescribed.
+    """What is prescribed; components of stress and strain are (xx, yy, zz, xy)."""
 
-    Parameters
-    ----------
-    name : as on the command line.
-    axial : index of the component of stress (xx, yy, zz, xy) that is called 11; 22 is the other one in the plane.
-    strain : prescribed rate (xx, yy, zz, xy) per unit of strain.
-    spin : likewise.
-    free : component whose stress stays as it is at the start, or None.
-    tied : component that strains like `free`, or None.
-    pressure_Pa, final : usual pressure and strain at the end.
-
-    """
-
-    name: str
-    axial: int
-    strain: tuple[float, float, float, float]
-    spin: float = 0.0
-    free: int | None = None
-    tied: int | None = None
-    pressure_Pa: float = 50e3
-    final: float = 0.2
+    name: str  # as on the command line
+    axial: int  # index of the stress that is called 11; 22 is the other one in the plane
+    strain: tuple[float, float, float, float]  # prescribed rate per unit of strain
+    spin: float = 0.0  # likewise
+    free: int | None = None  # component whose stress stays as it is at the start
+    tied: int | None = None  # component that strains like `free`
+    pressure_Pa: float = 50e3  # usual one
+    final: float = 0.2  # usual strain at the end
 
     @property
     def sheared(self) -> bool:

@@ -37,27 +37,19 @@ LAYER = 0.05  # of the width: thickness and height of the part of the wall layer
 
 @dataclass(frozen=True)
 class FlowPattern:
-    """Pattern of a flow.
+    """Pattern of a flow, and the boundary of its channel: where the downward speed falls to the threshold.
 
-    Attributes
-    ----------
-    kind : "mass", "mixed" or "funnel". Mixed is all between: also one wall with, and the other without transition.
-    transition_left_m, transition_right_m : lowest height above which, up to the surface, all sand next to the wall
-        moves [m]; 0 if that is everywhere, nan if it never is.
-    stagnant_area_share : share of the volume that is slower than 0.05 reference speeds, in any direction.
-    height_m : (rows,) heights of the channel's boundary [m].
-    x_left_m, x_right_m : (rows,) where the downward speed falls to the threshold, on both sides of the fastest place of
-        a row [m]; 0 or the width where it does not before the wall; nan in rows in which nothing moves.
-
+    The boundary is sought on both sides of the fastest place of a row; it is 0 or the width where the speed does not
+    fall before the wall, and nan in rows in which nothing moves.
     """
 
-    kind: str
-    transition_left_m: float
-    transition_right_m: float
-    stagnant_area_share: float
-    height_m: NDArray
-    x_left_m: NDArray
-    x_right_m: NDArray
+    kind: str  # "mass", "mixed" or "funnel"; mixed is all between, also one wall with, the other without transition
+    transition_left_m: float  # lowest height above which, up to the surface, all sand next to the wall moves
+    transition_right_m: float  # 0 if that is everywhere, nan if it never is
+    stagnant_area_share: float  # of the volume that is slower than 0.05 reference speeds, in any direction
+    height_m: NDArray  # (rows,) of the channel's boundary
+    x_left_m: NDArray  # (rows,)
+    x_right_m: NDArray  # (rows,)
 
 
 def mean_velocity(

@@ -21,28 +21,17 @@ LEAST_SHARE = 0.1  # of the greatest filling stress on a wall; below, no factor
 
 @dataclass(frozen=True)
 class Overpressure:
-    """The largest factor, and where and when; nan (and wall and record -1) if there is no place to measure.
+    """The largest factor, and where and when; nan (and wall and record -1) if there is no place to measure."""
 
-    Attributes
-    ----------
-    factor : normal stress over that at the end of filling [-].
-    wall : index of the wall.
-    height_m, time_s : where and when; `displacement_m` of the bottom if it was given, else nan.
-    record : index of the time.
-    stress_Pa, filling_stress_Pa : the two stresses, as the cell reads them.
-    factor_by_height : (walls, heights) largest factor over time; nan where none is measured.
-
-    """
-
-    factor: float
-    wall: int
+    factor: float  # normal stress over that at the end of filling [-]
+    wall: int  # index of the wall
     height_m: float
     time_s: float
-    displacement_m: float
-    record: int
-    stress_Pa: float
-    filling_stress_Pa: float
-    factor_by_height: NDArray
+    displacement_m: float  # of the bottom; nan if it was not given
+    record: int  # index of the time
+    stress_Pa: float  # as the cell reads it
+    filling_stress_Pa: float  # the same
+    factor_by_height: NDArray  # (walls, heights) largest factor over time; nan where none is measured
 
 
 def largest_overpressure(

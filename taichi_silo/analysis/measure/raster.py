@@ -75,23 +75,14 @@ def _weights(distance: NDArray, spacing_m: float) -> NDArray:
 
 @dataclass(frozen=True)
 class Raster:
-    """Square cells between the walls x = 0 and x = width, from a bottom upwards.
+    """Square cells between the walls x = 0 and x = width, from a bottom upwards."""
 
-    Attributes
-    ----------
-    x_m, y_m : (columns,), (rows,) middles of the cells [m].
-    cell_m : side of a cell [m].
-    inside : (rows, columns) whether a cell is in the body.
-    weight, neighbour : (rows, columns, k) points of each cell and their weights.
-
-    """
-
-    x_m: NDArray
-    y_m: NDArray
-    cell_m: float
-    inside: NDArray
-    weight: NDArray
-    neighbour: NDArray
+    x_m: NDArray  # (columns,) middles of the cells
+    y_m: NDArray  # (rows,)
+    cell_m: float  # side of a cell
+    inside: NDArray  # (rows, columns) whether a cell is in the body
+    weight: NDArray  # (rows, columns, k) of the points of each cell
+    neighbour: NDArray  # (rows, columns, k) these points
 
     @classmethod
     def over(

@@ -29,25 +29,14 @@ LONGEST_PATH = 6.0  # of width + height
 
 @dataclass(frozen=True)
 class Residence:
-    """Times to the outlet.
+    """Times to the outlet."""
 
-    Attributes
-    ----------
-    plug_time_s : area of the sand over outflow.
-    quantiles : levels of `over_plug`.
-    over_plug : quantiles, by volume, of time over plug-flow time of the sand that leaves; nan if none does.
-    never_share : share of the volume that never leaves.
-    first_from_surface : shortest time over plug-flow time of the sand at the surface; inf if none of it leaves.
-    time_s : (n,) time of each point given; inf where it never leaves, nan for points that are not finite.
-
-    """
-
-    plug_time_s: float
-    quantiles: tuple[float, ...]
-    over_plug: tuple[float, ...]
-    never_share: float
-    first_from_surface: float
-    time_s: NDArray
+    plug_time_s: float  # area of the sand over outflow
+    quantiles: tuple[float, ...]  # levels of `over_plug`
+    over_plug: tuple[float, ...]  # by volume, of time over plug-flow time of the sand that leaves; nan if none does
+    never_share: float  # of the volume that never leaves
+    first_from_surface: float  # shortest time over plug-flow time of the sand at the surface; inf if none of it leaves
+    time_s: NDArray  # (n,) of each point given; inf where it never leaves, nan for points that are not finite
 
 
 def residence(

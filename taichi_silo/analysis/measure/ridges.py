@@ -17,23 +17,13 @@ RING = np.ones((3, 3), int)
 
 @dataclass(frozen=True)
 class Ridges:
-    """Thin lines of cells.
+    """Thin lines of cells (row, column)."""
 
-    Attributes
-    ----------
-    arms : cells (k, 2) (row, column) of each arm in order, without the junctions.
-    component : number of the connected line that each arm belongs to.
-    count : of connected lines.
-    junctions : (m, 2) places (row, column) where three arms or more meet.
-    ends : of each arm, whether its first and its last cell are free (not at a junction).
-
-    """
-
-    arms: list[NDArray]
-    component: list[int]
-    count: int
-    junctions: NDArray
-    ends: list[tuple[bool, bool]]
+    arms: list[NDArray]  # cells (k, 2) of each arm in order, without the junctions
+    component: list[int]  # number of the connected line that each arm belongs to
+    count: int  # of connected lines
+    junctions: NDArray  # (m, 2) places where three arms or more meet
+    ends: list[tuple[bool, bool]]  # of each arm, whether its first and its last cell are free (not at a junction)
 
 
 def crest(field: NDArray, sigma: float) -> tuple[NDArray, NDArray, NDArray]:

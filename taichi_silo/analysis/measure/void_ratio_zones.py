@@ -25,23 +25,14 @@ REACH = 0.1  # of the width: how far from the wall the peak may lie
 
 @dataclass(frozen=True)
 class WallZone:
-    """Thickness of the zone along one wall.
-
-    Attributes
-    ----------
-    median_m, lower_quartile_m, upper_quartile_m : thickness over the rows [m]: 0 if there is no zone, nan if there is
-        no row to measure.
-    height_m, thickness_m : (rows,) height of each row, and thickness there, 0 in a row without a zone [m].
-    contractant : whether the void ratio falls in the zone (median row); False if there is no zone.
-
-    """
+    """Thickness of the zone along one wall, over the rows of points: 0 if there is no zone, nan if there is no row."""
 
     median_m: float
     lower_quartile_m: float
     upper_quartile_m: float
-    height_m: NDArray
-    thickness_m: NDArray
-    contractant: bool
+    height_m: NDArray  # (rows,)
+    thickness_m: NDArray  # (rows,) 0 in a row without a zone
+    contractant: bool  # whether the void ratio falls in the zone (median row); False if there is no zone
 
 
 @dataclass(frozen=True)

@@ -35,40 +35,24 @@ class Spread:
 
 @dataclass(frozen=True)
 class Zone:
-    """One zone.
+    """One zone; what is measured in stations is given over all of them."""
 
-    Attributes
-    ----------
-    component : number of the connected ridge line it belongs to.
-    length_m : along its middle.
-    thickness_m : t_s, width at half the greatest excess, over the stations.
-    thickness_over_d50, thickness_over_internal_length : its median over the mean grain diameter and over l_c; nan if
-        these are not given.
-    strain : greatest excess, over the stations.
-    inclination_deg : to the horizontal, rising to the right positive; the median is in (-90, 90].
-    curvature_1_per_m : of the circle through the middles; positive if its centre lies above, negative for an arch.
-    apex_curvature_1_per_m : of the parabola along the chord, at its apex.
-    void_ratio_change : mean over the zone in excess of the body's median; nan if not given.
-    kind : "dilatant", "contractant", "neutral" (smaller than 0.01), or "unknown".
-    wall_left_m, wall_right_m : heights at which it meets the walls; nan if it does not.
-    middle_m : (k, 2) middles.
-
-    """
-
-    component: int
-    length_m: float
-    thickness_m: Spread
-    thickness_over_d50: float
-    thickness_over_internal_length: float
-    strain: Spread
-    inclination_deg: Spread
-    curvature_1_per_m: float
-    apex_curvature_1_per_m: float
-    void_ratio_change: float
-    kind: str
-    wall_left_m: float
+    component: int  # number of the connected ridge line it belongs to
+    length_m: float  # along its middle
+    thickness_m: Spread  # t_s, width at half the greatest excess
+    thickness_over_d50: float  # of the median; nan without a mean grain diameter
+    thickness_over_internal_length: float  # of the median, over l_c; nan without one
+    strain: Spread  # greatest excess
+    inclination_deg: Spread  # to the horizontal, rising to the right positive; the median is in (-90, 90]
+    curvature_1_per_m: (
+        float  # of the circle through the middles; positive if its centre lies above, negative for an arch
+    )
+    apex_curvature_1_per_m: float  # of the parabola along the chord, at its apex
+    void_ratio_change: float  # mean over the zone in excess of the body's median; nan if not given
+    kind: str  # "dilatant", "contractant", "neutral" (smaller than 0.01), or "unknown"
+    wall_left_m: float  # height at which it meets the wall; nan if it does not
     wall_right_m: float
-    middle_m: NDArray
+    middle_m: NDArray  # (k, 2)
 
 
 @dataclass(frozen=True)

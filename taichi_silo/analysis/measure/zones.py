@@ -41,25 +41,14 @@ MEETING = 2.0  # spacings between the ends of two zones on a wall, up to which t
 
 @dataclass(frozen=True)
 class Zones:
-    """All shear zones of a body.
+    """All shear zones of a body."""
 
-    Attributes
-    ----------
-    count : number of connected ridge lines.
-    zones : arms of the ridge lines, the longest first.
-    branching_m : (m, 2) places inside where three zones or more meet.
-    wall_branching_m : (k, 2) places on a wall where two zones meet it.
-    background : median strain of the body.
-    spacing_m : of the points.
-
-    """
-
-    count: int
-    zones: tuple[Zone, ...]
-    branching_m: NDArray
-    wall_branching_m: NDArray
-    background: float
-    spacing_m: float
+    count: int  # of connected ridge lines
+    zones: tuple[Zone, ...]  # arms of the ridge lines, the longest first
+    branching_m: NDArray  # (m, 2) places inside where three zones or more meet
+    wall_branching_m: NDArray  # (k, 2) places on a wall where two zones meet it
+    background: float  # median strain of the body
+    spacing_m: float  # of the points
 
 
 def shear_zones(

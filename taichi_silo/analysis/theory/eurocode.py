@@ -65,24 +65,13 @@ SAND = Solid(14e3, 16e3, 39.0, 36.0, 1.09, 0.45, 1.11, {"D1": 0.38, "D2": 0.48, 
 
 @dataclass(frozen=True)
 class EurocodeSilo:
-    """Silo with vertical walls and a flat bottom or a hopper, filled with sand.
+    """Silo with vertical walls and a flat bottom or a hopper, filled with sand."""
 
-    Parameters
-    ----------
-    width_m : d_c, the diameter or the distance of two parallel walls [m].
-    height_m : h_c, from the equivalent surface to the transition [m].
-    wall : category "D1", "D2" or "D3".
-    section : "round" or "plane".
-    outlet_eccentricity_m : distance e_o of the outlet's middle from the axis [m].
-    solid : what is stored.
-
-    """
-
-    width_m: float
-    height_m: float
-    wall: str = "D2"
-    section: str = "round"
-    outlet_eccentricity_m: float = 0.0
+    width_m: float  # d_c, the diameter or the distance of two parallel walls
+    height_m: float  # h_c, from the equivalent surface to the transition
+    wall: str = "D2"  # category "D1", "D2" or "D3"
+    section: str = "round"  # or "plane"
+    outlet_eccentricity_m: float = 0.0  # distance e_o of the outlet's middle from the axis
     solid: Solid = SAND
 
     def limits(self) -> list[str]:

@@ -44,25 +44,14 @@ def _mean_growth(x: float) -> float:
 
 @dataclass(frozen=True)
 class Janssen:
-    """Fill of a silo between two equal vertical walls, or within a round one.
+    """Fill of a silo between two equal vertical walls, or within a round one."""
 
-    Parameters
-    ----------
-    width_m : distance b of the walls, or the diameter d [m].
-    height_m : of the fill, h [m].
-    weight_density_N_per_m3 : gamma = rho_s g / (1 + e).
-    wall_friction_angle_deg : phi_w, with mu = tan(phi_w); zero is a frictionless wall.
-    pressure_ratio : K = horizontal over vertical stress [-].
-    section : "plane" or "round".
-
-    """
-
-    width_m: float
-    height_m: float
-    weight_density_N_per_m3: float
-    wall_friction_angle_deg: float
-    pressure_ratio: float
-    section: str = "plane"
+    width_m: float  # distance b of the walls, or the diameter d
+    height_m: float  # of the fill, h
+    weight_density_N_per_m3: float  # gamma = rho_s g / (1 + e)
+    wall_friction_angle_deg: float  # phi_w, with mu = tan(phi_w); zero is a frictionless wall
+    pressure_ratio: float  # K = horizontal over vertical stress [-]
+    section: str = "plane"  # or "round"
 
     def __post_init__(self) -> None:
         for name in ("width_m", "height_m", "weight_density_N_per_m3", "pressure_ratio"):

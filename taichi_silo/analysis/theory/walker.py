@@ -63,33 +63,18 @@ def discharge_factor(half_angle_deg: float, wall_friction: float, internal_frict
 
 @dataclass(frozen=True)
 class WalkerHopper:
-    """Fill of a hopper below a transition with a given vertical stress.
+    """Fill of a hopper below a transition with a given vertical stress."""
 
-    Parameters
-    ----------
-    width_m, outlet_m : distance of the walls, or the diameter, at the transition and at the outlet [m].
-    half_angle_deg : beta, of the wall to the vertical, in (0, 90).
-    weight_density_N_per_m3 : gamma.
-    wall_friction_angle_deg : phi_w of the hopper's wall, in [0, 90).
-    transition_stress_Pa : vertical stress sigma_vt at the transition, 0 or more.
-    state : "filling", "discharge", or F itself, positive.
-    section : "plane" or "round".
-    internal_friction_angle_deg : phi_i, needed for "discharge".
-    pressure_ratio : K in (0, 1) of the fill, which decides whether the hopper is shallow; without it friction is
-        mobilised.
-
-    """
-
-    width_m: float
-    outlet_m: float
-    half_angle_deg: float
-    weight_density_N_per_m3: float
-    wall_friction_angle_deg: float
-    transition_stress_Pa: float
-    state: str | float = "filling"
-    section: str = "plane"
-    internal_friction_angle_deg: float | None = None
-    pressure_ratio: float | None = None
+    width_m: float  # distance of the walls, or the diameter, at the transition
+    outlet_m: float  # the same at the outlet
+    half_angle_deg: float  # beta, of the wall to the vertical, in (0, 90)
+    weight_density_N_per_m3: float  # gamma
+    wall_friction_angle_deg: float  # phi_w of the hopper's wall, in [0, 90)
+    transition_stress_Pa: float  # vertical stress sigma_vt at the transition, 0 or more
+    state: str | float = "filling"  # or "discharge", or F itself, positive
+    section: str = "plane"  # or "round"
+    internal_friction_angle_deg: float | None = None  # phi_i, needed for "discharge"
+    pressure_ratio: float | None = None  # K in (0, 1), which tells a shallow hopper; without it friction is mobilised
 
     def __post_init__(self) -> None:
         angle = "wall_friction_angle_deg"

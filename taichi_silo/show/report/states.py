@@ -1,10 +1,11 @@
 """What a run says of its three states: after filling, at the extremes of flow, and at the end."""
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 
-from taichi_silo.analysis.measure.wall_pressure import CORNER_M, HOPPER_CELL_M, cell_mean, clear_of_corner
+from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, HOPPER_CELL_M, cell_mean
 from taichi_silo.runs.result import Result
 
 FORCES = {  # key of summary.json, which extreme is the peak
@@ -72,17 +73,26 @@ def _value(row, name: str) -> float | None:
 
 def largest_wall_stress(run: Result, states: tuple[str, ...] = tuple(STATES)) -> Largest | None:
     """Largest normal stress on the vertical walls in the given states, away from the corner; None without profiles."""
+    return _largest(run, states, ("left", "right"), CELL_M, CORNER_M)
+
+
+def largest_hopper_stress(run: Result) -> Largest | None:
+    """Largest normal stress on the walls of a hopper, as a mean over 50 mm, which single rows of the grid ask for."""
+    return _largest(run, tuple(STATES), ("hopper_left", "hopper_right"), HOPPER_CELL_M, -HOPPER_CELL_M)
+
+
+def _largest(run: Result, states: tuple[str, ...], walls: tuple[str, ...], cell_m: float, out_m: float):
+    """Largest normal stress on some walls; cells that reach lower than `out_m` above the lowest node are left out."""
     found = []
-    for state in states:
-        for wall in ("left", "right"):
-            height, stress = run.profile(state, wall)
-            clear = np.flatnonzero(clear_of_corner(height))
-            if len(height) < 2 or not len(clear):
-                continue
-            cell = cell_mean(height, stress)
-            k = clear[np.argmax(cell[clear])]
-            node = float(np.max(stress[height > height[0] + CORNER_M], initial=0.0))
-            found.append(Largest(float(cell[k]), wall, float(height[k]), state, node))
+    for state, wall in itertools.product(states, walls):
+        height, stress = run.profile(state, wall)
+        above = height - np.min(height, initial=np.inf)
+        clear = np.flatnonzero(above > out_m + 0.5 * cell_m)
+        if len(clear):
+            mean = cell_mean(height, stress, cell_m)
+            k = clear[np.argmax(mean[clear])]
+            node = float(np.max(stress[above > out_m], initial=0.0))
+            found.append(Largest(float(mean[k]), wall, float(height[k]), state, node))
     return max(found, key=lambda one: one.stress_Pa, default=None)
 
 
@@ -93,19 +103,6 @@ def largest_of_all(run: Result) -> Largest | None:
         return known
     place = (found["wall"], found["height_m"], "flow", found["node_Pa"], found["displacement_m"])
     return Largest(found["normal_stress_Pa"], *place)
-
-
-def largest_hopper_stress(run: Result) -> Largest | None:
-    """Largest normal stress on the walls of a hopper, as a mean over 50 mm, which single rows of the grid ask for."""
-    found = []
-    for state in STATES:
-        for wall in ("hopper_left", "hopper_right"):
-            height, stress = run.profile(state, wall)
-            if len(height):
-                mean = cell_mean(height, stress, HOPPER_CELL_M)
-                k = int(np.argmax(mean))
-                found.append(Largest(float(mean[k]), wall, float(height[k]), state, float(stress.max())))
-    return max(found, key=lambda one: one.stress_Pa, default=None)
 
 
 def wall_profile(

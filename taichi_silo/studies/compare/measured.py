@@ -33,18 +33,13 @@ REMARKS = ("remark", "remarks", "comment", "comments", "note", "notes")  # colum
 class Measured:
     """What was measured, in SI units.
 
-    Attributes
-    ----------
-    name : of the file.
-    kind : "curves" or "profile".
-    table : of curves `displacement_m` or `time_s` (since the outflow began), rising, and any of P, T, N, left_normal,
-        left_shear, right_normal, right_shear [N/m] and angle [degrees]; of a profile height_m, normal_stress_Pa or
-        shear_stress_Pa, state ("filling", "maximum", "residual"; "" for any) and wall.
-
+    The table of curves has `displacement_m` or `time_s` (since the outflow began), rising, and any of P, T, N,
+    left_normal, left_shear, right_normal, right_shear [N/m] and angle [degrees]; that of a profile height_m,
+    normal_stress_Pa or shear_stress_Pa, state ("filling", "maximum", "residual"; "" for any) and wall.
     """
 
-    name: str
-    kind: str
+    name: str  # of the file
+    kind: str  # "curves" or "profile"
     table: pd.DataFrame
 
     @property

@@ -4,7 +4,7 @@ import pandas as pd
 from rich import box
 from rich.table import Table
 
-from taichi_silo.show.report.words import NONE, number, plain
+from taichi_silo.show.report.words import NONE, kN, number, plain
 
 SCALES = {"N/m": (1e-3, "kN/m"), "Pa": (1e-3, "kPa"), "m": (1e3, "mm"), "deg": (1.0, "°"), "-": (1.0, "")}
 PLACES = {"displacement_m": (1e3, "mm"), "height_m": (1e3, "mm"), "time_s": (1.0, "s")}
@@ -38,7 +38,7 @@ def differences(rows: pd.DataFrame) -> Table:
     return table
 
 
-def _cell(value, scale: float, percent) -> str:
+def _cell(value, scale: float, percent: float | None = None) -> str:
     if value is None:
         return NONE
     return number(scale * value) + ("" if percent is None else f" ({_signed(percent)})")
@@ -57,7 +57,7 @@ def janssen(rows: pd.DataFrame) -> Table:
         "Janssen's theory, after filling (kN/m)", "run", "force", "run's", "theory", "K", "origin", "run against it"
     )
     for row in rows.itertuples():
-        cells = (number(_scaled(row.value)), number(_scaled(row.theory)), number(row.pressure_ratio), row.origin)
+        cells = (kN(row.value), kN(row.theory), number(row.pressure_ratio), row.origin)
         table.add_row(row.run, row.force, *cells, _signed(row.difference_percent))
     return table
 
@@ -71,21 +71,13 @@ def deviations(rows: pd.DataFrame) -> Table:
         scale, unit = SCALES[row.unit]
         step, measure = PLACES[row.place]
         what = ", ".join(word for word in (MEASURED[row.quantity], row.state, row.wall) if word and word != "both")
-        start = (row.run, what, unit, number(_scaled(row.measured_peak, scale)))
+        start = (row.run, what, unit, _cell(row.measured_peak, scale))
         if not row.points:
             table.add_row(*start, "nothing in common", "0")
             continue
         table.add_row(
             *start, f"{plain(step * row.begin)} to {plain(step * row.end)} {measure}", str(row.points),
-            number(scale * row.rms), _per_cent(row.rms_percent),
+            number(scale * row.rms), NONE if row.rms_percent is None else f"{row.rms_percent:.1f}\u00a0%",
             number(scale * row.largest), _signed(row.largest_percent), f"{plain(step * row.largest_at)} {measure}",
         )  # fmt: skip
     return table
-
-
-def _per_cent(value) -> str:
-    return NONE if value is None else f"{value:.1f}\u00a0%"
-
-
-def _scaled(value, scale: float = 1e-3):
-    return None if value is None else scale * value

@@ -112,9 +112,5 @@ def checked(kind: type[Kind], given: dict, before: str = "") -> Kind:
     try:
         return kind.model_validate(given)
     except ValidationError as error:
-        raise BadInput(f"{before}{one_sentence(error)}" if _of_name(error) else one_sentence(error)) from error
-
-
-def _of_name(error: ValidationError) -> bool:
-    """Whether the sentence begins with the name of what is wrong."""
-    return error.errors()[0]["type"] != "value_error"
+        begins_with_name = error.errors()[0]["type"] != "value_error"
+        raise BadInput(f"{before if begins_with_name else ''}{one_sentence(error)}") from error
