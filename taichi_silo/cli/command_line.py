@@ -24,14 +24,9 @@ USAGE_ERROR: Any = typer.BadParameter.__base__  # typer gives it no name of its 
 
 
 def command(function: Callable, arguments: Sequence[str] | None = None, name: str | None = None) -> NoReturn:
-    """Run a function as a command line: bad input ends with exit code 2, a failed run or machine with 1.
+    """Run a function, whose parameters are the flags, as a command line; a name for its help if not the script's.
 
-    Parameters
-    ----------
-    function : its parameters, typer options, are the flags.
-    arguments : words of the command line; those of the process if not given.
-    name : how the command is called, for its help; the script's name if not given.
-
+    Bad input ends with exit code 2, a failed run or machine with 1. The words are the process's if none are given.
     """
     serve(app_of(function), name or Path(sys.argv[0]).name, arguments)
 

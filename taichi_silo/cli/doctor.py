@@ -28,19 +28,11 @@ BALANCE = 1e-9  # of the weight, which the self-test must not miss
 
 
 class Finding(NamedTuple):
-    """The result of one check.
+    """The result of one check."""
 
-    Attributes
-    ----------
-    what : what was checked.
-    good : True if it works, None if it is missing but optional, False if runs cannot do without it.
-    words : what was found.
-
-    """
-
-    what: str
-    good: bool | None
-    words: str
+    what: str  # was checked
+    good: bool | None  # None if it is missing but optional, False if runs cannot do without it
+    words: str  # what was found
 
 
 def examine(output: Path) -> Iterator[Finding]:

@@ -84,8 +84,7 @@ def silo_scenario(
     sand, *others = [one for one in inspect.signature(scenario).parameters.values() if one.name != "values"]
     scenario.__doc__ = about
     return flags.with_parameters(
-        scenario,
-        [*flags.parameters(scene, paths), *own, sand, *flags.parameters(scene, SHARED, NOTES), *others],
+        scenario, [*flags.parameters(scene, paths), *own, sand, *flags.parameters(scene, SHARED, NOTES), *others]
     )
 
 

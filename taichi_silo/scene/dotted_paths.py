@@ -21,21 +21,12 @@ OUTSIDE = ("precision", "nudge")  # no part of the scene: of the process, and of
 
 
 class Place(NamedTuple):
-    """One table or value of a scene.
+    """One table or value of a scene."""
 
-    Attributes
-    ----------
-    path : dotted; the first entry of a list stands for all.
-    field : its type, default, range and description.
-    table : type of the table that stands here; None if it is a value.
-    optional : whether it belongs to a table that a scene may lack, and lacks by default.
-
-    """
-
-    path: str
-    field: FieldInfo
-    table: type[Options] | None
-    optional: bool
+    path: str  # dotted; the first entry of a list stands for all
+    field: FieldInfo  # its type, default, range and description
+    table: type[Options] | None  # type of the table that stands here; None if it is a value
+    optional: bool  # whether it belongs to a table that a scene may lack, and lacks by default
 
 
 def places(options: type[Options] = Scene, before: str = "", optional: bool = False) -> Iterator[Place]:

@@ -72,12 +72,6 @@ def _corners(entity: Any, make_path: Callable[[Any], Any], scale: float) -> np.n
         if not path.is_closed or not np.isfinite([tuple(place) for place in path.control_vertices()]).all():
             return np.zeros((0, 2))
         places = itertools.islice(path.flattening(ARC_M / scale), polygons.MOST_CORNERS + 2)
-        return _without_repeats(np.array([(scale * place.x, scale * place.y) for place in places]))
+        return polygons.without_repeats(np.array([(scale * place.x, scale * place.y) for place in places]))
     except (ArithmeticError, LookupError, TypeError, ValueError):  # of an entity that is none
         return np.zeros((0, 2))
-
-
-def _without_repeats(corners: np.ndarray) -> np.ndarray:
-    """Corners without those that repeat the one before; the last does not repeat the first."""
-    apart = np.abs(corners - np.roll(corners, 1, axis=0)).max(axis=1) > polygons.SAME
-    return corners[apart]

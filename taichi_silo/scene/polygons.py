@@ -19,7 +19,7 @@ def polygon(corners: Corners, name: str) -> np.ndarray:
     if not (np.abs(given) <= LARGEST).all():
         worst = given.flat[np.argmax(np.where(np.isnan(given), np.inf, np.abs(given)))]
         raise ValueError(f"the {name} has a corner at {worst:g} m; it must be between -{LARGEST:g} and {LARGEST:g} m")
-    apart = given[np.abs(given - np.roll(given, 1, axis=0)).max(axis=1) > SAME] if len(given) else given
+    apart = without_repeats(given)
     if len(apart) < 3:
         raise ValueError(f"the {name} has {len(apart)} corners; a polygon has at least 3")
     shape = shapely.Polygon(apart)
@@ -27,6 +27,11 @@ def polygon(corners: Corners, name: str) -> np.ndarray:
         why = shapely.is_valid_reason(shape).lower() if not shape.is_valid else "no area"
         raise ValueError(f"the {name} is no simple polygon ({why}); its sides must not touch or cross each other")
     return np.array(shapely.geometry.polygon.orient(shape).exterior.coords[:-1])
+
+
+def without_repeats(corners: np.ndarray) -> np.ndarray:
+    """Corners (n, 2) without those that repeat the one before; the last does not repeat the first."""
+    return corners[np.abs(corners - np.roll(corners, 1, axis=0)).max(axis=1) > SAME] if len(corners) else corners
 
 
 def inside(x: ArrayLike, y: ArrayLike, corners: np.ndarray) -> np.ndarray:

@@ -28,29 +28,16 @@ REQUIRED = _Required.REQUIRED
 
 @dataclass(frozen=True)
 class Entry:
-    """One value.
+    """One value."""
 
-    Attributes
-    ----------
-    path : dotted; `silo.inserts.0.kind` stands for each entry of a list of tables.
-    choices : the words that it may be; empty if it is no choice.
-    kind : words for its type, with the choices.
-    unit : empty if it has none.
-    limits : such as "> 0, ≤ 5"; empty if there are none.
-    default : None if it is absent, `REQUIRED` if it must be given.
-    meaning : what it is.
-    optional : the table it stands in may be absent, and is by default.
-
-    """
-
-    path: str
-    choices: tuple[str, ...]
-    kind: str
-    unit: str
-    limits: str
-    default: Any
+    path: str  # dotted; `silo.inserts.0.kind` stands for each entry of a list of tables
+    choices: tuple[str, ...]  # the words that it may be; empty if it is no choice
+    kind: str  # words for its type, with the choices
+    unit: str  # empty if it has none
+    limits: str  # such as "> 0, ≤ 5"; empty if there are none
+    default: Any  # None if it is absent, `REQUIRED` if it must be given
     meaning: str
-    optional: bool
+    optional: bool  # the table it stands in may be absent, and is by default
 
     @classmethod
     def of(cls, place: Place) -> "Entry":

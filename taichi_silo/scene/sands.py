@@ -21,6 +21,11 @@ def published() -> dict[str, dict]:
     return tomllib.loads(Path(__file__).with_name("sands.toml").read_text(encoding="utf-8"))
 
 
+def constants(table: dict[str, Any]) -> dict[str, Any]:
+    """The constants of a sand's table, without the notes on where they come from."""
+    return {name: value for name, value in table.items() if name not in NOTES}
+
+
 def sand(name_or_file: str, void_ratio: float, **more: Any) -> Sand:
     """A named sand, or that of a TOML file with the same keys, at a void ratio.
 
@@ -29,27 +34,20 @@ def sand(name_or_file: str, void_ratio: float, **more: Any) -> Sand:
     known = published()
     key = shown(name_or_file, LONGEST).strip().lower()
     if key in known:
-        constants = {k: v for k, v in known[key].items() if k not in NOTES}
-        return _checked({"name": key, **constants}, void_ratio, more)
+        return Sand.model_validate({"name": key, **constants(known[key]), "void_ratio": void_ratio, **more})
     file = bounded_reading.place(name_or_file, "sand")
     if file.suffix.lower() != ".toml":
         meant = near(key, known)
         hint = f"; did you mean {meant}?" if meant else ""
         raise BadInput(f"sand is {shown(name_or_file)}; it must be a TOML file or one of {', '.join(known)}{hint}")
-    constants = bounded_reading.toml(file, "a sand")
-    needed = [name for name in next(iter(known.values())) if name not in NOTES]
-    missing = [name for name in needed if name not in constants]
+    given, needed = constants(bounded_reading.toml(file, "a sand")), constants(next(iter(known.values())))
+    missing = [name for name in needed if name not in given]
     if missing:
         raise BadInput(f"sand file {file} lacks {', '.join(missing)}")
-    unknown = [name for name in constants if name not in (*needed, *NOTES, "name")]
+    unknown = [name for name in given if name not in (*needed, "name")]
     if unknown:
         raise BadInput(f"sand file {file} holds {shown(unknown[0])}; a sand has {', '.join(needed)}")
-    constants = {k: v for k, v in constants.items() if k not in NOTES}
     try:
-        return _checked({"name": file.stem, **constants}, void_ratio, more)
+        return Sand.model_validate({"name": file.stem, **given, "void_ratio": void_ratio, **more})
     except ValidationError as error:
         raise BadInput(f"sand file {file}: {one_sentence(error)}") from error
-
-
-def _checked(constants: dict, void_ratio: float, more: dict) -> Sand:
-    return Sand.model_validate({**constants, "void_ratio": void_ratio, **more})

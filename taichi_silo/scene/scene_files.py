@@ -32,31 +32,18 @@ def read_scene(file: Path, changes: Iterable[str] = (), threads: int | None = No
     threads : on which to compute, if not as in the file.
 
     """
-    tables = read_tables(file)
+    tables = bounded_reading.toml(file, "a scene")
     tables.pop(PROGRAM, None)
     for change in changes:
         _apply(tables, change)
-    if threads is not None:
-        tables["machine"] = _with_threads(tables.get("machine", {}), threads)
+    if threads is not None and isinstance(tables.setdefault("machine", {}), dict):  # its type refuses what is no table
+        tables["machine"]["threads"] = threads
     try:
         return scene_of(tables)
     except ValidationError as error:
         raise BadInput(f"{file}: {one_sentence(error)}") from error
     except BadInput as error:
         raise BadInput(f"{file}: {error}") from error
-
-
-def read_tables(file: Path) -> dict:
-    """The tables of a TOML file.
-
-    Raises BadInput if there is none, or what is there is no TOML.
-    """
-    return bounded_reading.toml(file, "a scene")
-
-
-def _with_threads(machine: Any, threads: int) -> Any:
-    """The table of a machine with so many threads; what is no table stays, and is refused by its type."""
-    return machine | {"threads": threads} if isinstance(machine, dict) else machine
 
 
 def scene_of(tables: dict) -> Scene:
@@ -76,8 +63,8 @@ def _with_constants(sand: dict) -> dict:
     if not isinstance(name, str):
         return sand  # said by the type
     if name in known:
-        return {key: value for key, value in known[name].items() if key not in sands.NOTES} | sand
-    needed = [key for key in known["karlsruhe"] if key not in sands.NOTES]
+        return sands.constants(known[name]) | sand
+    needed = sands.constants(known["karlsruhe"])
     missing = [key for key in needed if key not in sand]
     if not missing:
         return sand

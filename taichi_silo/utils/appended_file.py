@@ -12,13 +12,8 @@ from taichi_silo.utils.machine_faults import of_file
 class AppendedFile:
     """An open file; a piece is in it as soon as `append` returns, and is not in it at all if that fails.
 
-    Raises BadInput if the file has fewer bytes than that.
-
-    Parameters
-    ----------
-    file : its path.
-    size : go on after so many bytes and cut off the rest; None begins anew.
-
+    With a size it goes on after so many bytes and cuts off the rest, or raises BadInput if there are fewer; without it
+    begins anew.
     """
 
     def __init__(self, file: Path, size: int | None = None):

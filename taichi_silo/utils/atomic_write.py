@@ -32,13 +32,8 @@ def put(temporary: Path, file: Path, previous: Path | None = None) -> None:
 def written(file: Path, previous: Path | None = None) -> Iterator[Path]:
     """A temporary name to write a file under; it is renamed at the end of the block, or removed after an error.
 
-    Raises OSError that names the file, if it cannot be written.
-
-    Parameters
-    ----------
-    file : its name at the end.
-    previous : new name of the file that had it before, which is replaced if none is given.
-
+    A file that had the name before is renamed to `previous`, or replaced. Raises OSError, which names the file, if it
+    cannot be written.
     """
     passing = file.with_name(f"{file.name}.part")
     try:

@@ -46,16 +46,9 @@ def place(given, name: str = "file") -> Path:
 
 
 def content(file, what: str, most: int) -> bytes:
-    """The bytes of a file.
+    """The bytes of a file, which should be `what` ("a scene") for the sentence that refuses it.
 
     Raises BadInput if it is not there, is no file (but a folder, a pipe, a device), or has more than `most` bytes.
-
-    Parameters
-    ----------
-    file : its path.
-    what : what it should be, for sentences: "a scene".
-    most : bytes that it may have.
-
     """
     file = place(file)
     try:

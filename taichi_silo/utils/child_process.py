@@ -19,15 +19,7 @@ DONE, SAID_NO, STOPPED = 0, 1, 130  # exit codes of a program that has not crash
 
 
 class Child:
-    """A module that runs as a program.
-
-    Parameters
-    ----------
-    program : module and arguments.
-    line : for its input.
-    environment : variables beside those of this process.
-
-    """
+    """A module that runs as a program, with arguments, a line of input, and variables beside those of this process."""
 
     def __init__(self, program: tuple[str, ...], line: str = "", environment: dict | None = None):
         self.line = line

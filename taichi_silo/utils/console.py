@@ -12,17 +12,10 @@ WIDE = 132  # columns of a table that goes to a file or another program
 
 @dataclass(frozen=True)
 class Console:
-    """What is printed where.
+    """What is printed where."""
 
-    Attributes
-    ----------
-    quiet : print errors only.
-    as_json : stdout is kept for one JSON object, the result.
-
-    """
-
-    quiet: bool = False
-    as_json: bool = False
+    quiet: bool = False  # print errors only
+    as_json: bool = False  # stdout is kept for one JSON object, the result
 
     @property
     def terminal(self) -> RichConsole:

@@ -11,14 +11,9 @@ SAID_EVERY = 0.05  # of the whole, where no terminal shows a bar
 
 
 class Progress:
-    """Share of the work that is done, each task weighted by its expected seconds; many threads may tell it.
+    """Share of the work that is done, each task weighted by its expected seconds on one core; many threads may tell it.
 
-    Parameters
-    ----------
-    terminal : where to say it.
-    seconds : expected, on one core, by the tasks' names.
-    jobs : tasks at a time.
-
+    `jobs` tasks run at a time.
     """
 
     def __init__(self, terminal: RichConsole, seconds: dict[str, float], jobs: int = 1):

@@ -12,18 +12,12 @@ from taichi_silo.errors import Stopped
 
 
 class Stops:
-    """Signals that have come, and whether they take effect at once.
+    """Signals that have come, and whether they take effect at once."""
 
-    Attributes
-    ----------
-    asked : numbers of the signals that have come.
-    heeded : how many of them have stopped something.
-    sentence : what to say when a signal takes effect at once; None while signals wait.
-
-    """
-
-    def __init__(self):
-        self.asked, self.heeded, self.sentence = [], 0, None
+    def __init__(self) -> None:
+        self.asked: list[int] = []  # numbers of the signals that have come
+        self.heeded = 0  # how many of them have stopped something
+        self.sentence: str | None = None  # what to say when a signal takes effect at once; None while signals wait
 
     def hear(self, number: int, frame=None) -> None:
         """Note a signal; the handler of SIGINT and SIGTERM."""

@@ -24,14 +24,9 @@ def spatial(vectors: np.ndarray) -> np.ndarray:
 
 
 def write(file: Path, places: np.ndarray, arrays: dict[str, np.ndarray]) -> None:
-    """Write points as vertices.
+    """Write points at places (n, 3) [m] as vertices, with arrays (n,) or (n, components) by name, whose types stay.
 
-    Parameters
-    ----------
-    file : where to; it appears when it is complete.
-    places : (n, 3) [m].
-    arrays : (n,) or (n, components) by name; their types stay.
-
+    The file appears when it is complete.
     """
     count = len(places)
     index = np.arange(count, dtype=np.int32)

@@ -7,10 +7,7 @@ import typer
 
 from taichi_silo.cli.output_flags import ExplainFlag, FilmFlag, JsonFlag, OverwriteFlag, QuietFlag
 
-OPTIONS = {
-    "context_settings": {"ignore_unknown_options": True, "allow_extra_args": True},
-    "add_help_option": False,
-}
+OPTIONS = {"context_settings": {"ignore_unknown_options": True, "allow_extra_args": True}, "add_help_option": False}
 
 
 def _names(incomplete: str) -> list[str]:
