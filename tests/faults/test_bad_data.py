@@ -12,18 +12,11 @@ SANDS = ["x = 1", "n = 0.5", "", "[sand]\nn = 1", "name = []"]
 
 
 def test_a_sand_that_is_none_is_refused(tmp_path, tried):
-    file, whole = tmp_path / "mine.toml", dict(sands.published()["karlsruhe"])
-    texts = list(SANDS)
+    file, texts = tmp_path / "mine.toml", list(SANDS)
+    whole = {name: value for name, value in sands.published()["karlsruhe"].items() if name not in sands.NOTES}
     for name in whole:
-        if name not in sands.NOTES:
-            texts += [
-                "".join(
-                    f"{key} = {value if key != name else one}\n"
-                    for key, value in whole.items()
-                    if key not in sands.NOTES
-                )
-                for one in ("nan", "-1", "[]", "true", "0x" + "f" * 5000, "'x'")
-            ]
+        for wrong in ("nan", "-1", "[]", "true", "0x" + "f" * 5000, "'x'"):
+            texts.append("".join(f"{key} = {value}\n" for key, value in (whole | {name: wrong}).items()))
     for text in texts:
         file.write_text(text)
         assert refusal(lambda: sands.sand(file, 0.6)) is not None, text[:300]

@@ -71,13 +71,6 @@ OUTLINES = {
 }
 
 
-@pytest.mark.parametrize("kind", OUTLINES)
-def test_an_outline_that_is_no_silo_is_refused(kind, tried):
-    tables = TABLES | {"silo": {"outline_m": OUTLINES[kind]}}
-    assert refusal(lambda: scene_of(tables)) is not None
-    tried("inputs refused", "an outline that is no silo")
-
-
 ROOF = {"kind": "roof", "width_m": 0.06, "bottom_m": 0.1}
 INSERTS = {
     "two in one place": [ROOF, ROOF],
@@ -98,8 +91,11 @@ INSERTS = {
 }
 
 
-@pytest.mark.parametrize("kind", INSERTS)
-def test_inserts_that_cannot_stand_are_refused(kind, tried):
-    tables = TABLES | {"silo": TABLES["silo"] | {"inserts": INSERTS[kind]}}
-    assert refusal(lambda: scene_of(tables)) is not None
-    tried("inputs refused", "an insert that cannot stand")
+CASES = [("an outline that is no silo", kind, {"outline_m": corners}) for kind, corners in OUTLINES.items()]
+CASES += [("an insert that cannot stand", kind, TABLES["silo"] | {"inserts": them}) for kind, them in INSERTS.items()]
+
+
+@pytest.mark.parametrize(("what", "kind", "silo"), CASES, ids=[kind for _, kind, _ in CASES])
+def test_an_outline_or_inserts_that_cannot_be_are_refused(what, kind, silo, tried):
+    assert refusal(lambda: scene_of(TABLES | {"silo": silo})) is not None
+    tried("inputs refused", what)
