@@ -21,8 +21,9 @@ from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.scene import sands
 from taichi_silo.scene.scene import cores
-from taichi_silo.show.figures.element import COLORS, wall_angle_deg
+from taichi_silo.show.figures.element import wall_angle_deg
 from taichi_silo.show.figures.style import STYLE, new_figure
+from taichi_silo.show.figures.style import WORDS as COLORS
 from taichi_silo.studies.element_tests import COLUMNS, ElementScene, curve_of
 
 # test -> pressures [Pa], strain at the end

@@ -13,9 +13,8 @@ from taichi_silo.errors import BadInput
 from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.scene.scene import Walls
 from taichi_silo.show.figures.forces import curve
-from taichi_silo.studies.compare.deviation import deviations
-from taichi_silo.studies.compare.differences import PROFILE, differences, janssen
 from taichi_silo.studies.compare.measured import read
+from taichi_silo.studies.compare.tables import PROFILE, deviations, differences, janssen
 from taichi_silo.studies.compare.whole import compared, read_runs
 from tests import made_up
 

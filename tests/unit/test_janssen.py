@@ -97,13 +97,10 @@ def test_a_round_silo_by_hand():
     # per metre of circumference W = 10 * 1 * 10 = 100, P = 43.233236 * 1, T = 100 - P = 56.766764, N = T / 0.5 kN/m
     fill = Janssen(4.0, 10.0, 10e3, np.degrees(np.arctan(0.5)), 0.4, "round")
     assert fill.depth_scale_m == pytest.approx(5.0)
-    assert fill.vertical_stress_Pa(10.0) == pytest.approx(43.233236e3)
-    assert fill.normal_stress_Pa(10.0) == pytest.approx(17.293294e3)
-    assert fill.shear_stress_Pa(10.0) == pytest.approx(8.646647e3)
-    assert fill.weight_N_per_m == pytest.approx(100e3)
-    assert fill.bottom_force_N_per_m == pytest.approx(43.233236e3)
-    assert fill.shear_force_N_per_m == pytest.approx(56.766764e3)
-    assert fill.normal_force_N_per_m == pytest.approx(113.533528e3)
+    stresses = (fill.vertical_stress_Pa(10.0), fill.normal_stress_Pa(10.0), fill.shear_stress_Pa(10.0))
+    assert stresses == pytest.approx((43.233236e3, 17.293294e3, 8.646647e3))
+    assert (fill.weight_N_per_m, fill.bottom_force_N_per_m) == pytest.approx((100e3, 43.233236e3))
+    assert (fill.shear_force_N_per_m, fill.normal_force_N_per_m) == pytest.approx((56.766764e3, 113.533528e3))
 
 
 @settings(deadline=None)

@@ -8,8 +8,8 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from taichi_silo.show.figures.element import COLORS
 from taichi_silo.show.figures.style import REFERENCE, new_figure
+from taichi_silo.show.figures.style import WORDS as COLORS
 
 FIELD = {"void_ratio": ("void ratio", "viridis"), "path": ("shear strain (path length)", "magma")}
 

@@ -22,8 +22,7 @@ def cell_mean(height_m: NDArray, stress_Pa: NDArray, cell_m: float = CELL_M) -> 
     height, stress = np.asarray(height_m, float), np.asarray(stress_Pa, float)
     if len(height) < 2:
         return stress.copy()
-    middle = 0.5 * (stress[1:] + stress[:-1]) * np.diff(height)
-    integral = np.concatenate([[0.0], np.cumsum(middle)])
+    integral = np.insert(np.cumsum(0.5 * (stress[1:] + stress[:-1]) * np.diff(height)), 0, 0.0)
 
     def up_to(place: NDArray) -> NDArray:
         """Exact integral of the piecewise linear stress."""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from taichi_silo.analysis.measure.raster import sample, within
+from taichi_silo.analysis.measure.raster import first_fall, sample, within
 from taichi_silo.analysis.measure.void_ratio_zones import SMALLEST_CHANGE
 
 CELLS = 2  # of the raster a spacing
@@ -159,8 +159,7 @@ def _side(values: NDArray, distance: NDArray) -> float:
     after, before = below[0], below[0] - 1
     if not np.isfinite(values[after]):  # the wall or the surface
         return float(distance[before])
-    share = (values[before] - half) / (values[before] - values[after])
-    return float(distance[before] + share * (distance[after] - distance[before]))
+    return first_fall(distance, values, half, never=np.nan)
 
 
 def _meets_walls(body: Body, middle: NDArray, free: tuple[bool, bool], thickness_m: float) -> tuple[float, float]:

@@ -29,6 +29,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import exprel
 
 TABLE_3_1 = {  # load: power of the conversion factors of mu, K, phi_i
     "wall pressure": (-1, 1, -1),
@@ -143,9 +144,7 @@ class EurocodeSilo:
         z, z0, h0, n, w = self._fill(depth_m, load)
         if self.slenderness == "slender":
             return self.filling_normal_Pa(z, load) / self.solid.extremes(load, self.wall)[1]
-        log = (n + 1.0) * np.log(w)
-        small = np.where(log == 0.0, 1.0, log)
-        mean = np.where(log == 0.0, 1.0, np.expm1(small) / small) * np.log(w)  # (w^(n+1) - 1) / (n + 1)
+        mean = exprel((n + 1.0) * np.log(w)) * np.log(w)  # (w^(n+1) - 1) / (n + 1)
         return self.solid.upper_weight_density_N_per_m3 * np.where(z < h0, z, h0 + (z0 - h0) * mean)
 
     @property

@@ -23,16 +23,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
+from scipy.special import exprel
 
 WALLS = {"plane": 2, "round": 1}  # that carry the weight named in N per m
 PERIMETER = {"plane": 2.0, "round": 4.0}  # width over A/U
-
-
-def _mean_decay(x: ArrayLike) -> NDArray:
-    """Return (1 - exp(-x)) / x, which tends to 1 as x tends to 0."""
-    x = np.asarray(x, dtype=float)
-    safe = np.where(x == 0.0, 1.0, x)
-    return np.where(x == 0.0, 1.0, -np.expm1(-safe) / safe)
 
 
 def _mean_growth(x: float) -> float:
@@ -76,7 +70,8 @@ class Janssen:
     def vertical_stress_Pa(self, depth_m: ArrayLike) -> NDArray:
         """Mean vertical stress sigma_v at a depth (number or array) below the free surface [Pa]."""
         depth = np.asarray(depth_m, dtype=float)
-        return self.weight_density_N_per_m3 * depth * _mean_decay(depth / self.depth_scale_m)
+        # exprel(-x) is (1 - exp(-x)) / x
+        return self.weight_density_N_per_m3 * depth * exprel(-depth / self.depth_scale_m)
 
     def normal_stress_Pa(self, depth_m: ArrayLike) -> NDArray:
         """Wall normal stress K sigma_v at a depth (number or array) [Pa]."""

@@ -34,6 +34,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import exprel
 
 ORDER = {"plane": 1, "round": 2}  # S
 EMPIRICAL_B = 0.2
@@ -145,9 +146,7 @@ class WalkerHopper:
             )
         y = x / top
         power = (self.exponent - 1.0) * np.log(y)
-        small = np.where(power == 0.0, 1.0, power)
-        mean = np.where(power == 0.0, 1.0, np.expm1(small) / small)  # (y^(n-1) - 1) / ((n-1) ln(y)), and its limit
-        own = -self.weight_density_N_per_m3 * x * np.log(y) * mean
+        own = -self.weight_density_N_per_m3 * x * np.log(y) * exprel(power)  # (y^(n-1) - 1) / ((n-1) ln(y))
         return own + self.transition_stress_Pa * y * np.exp(power)
 
     def normal_stress_Pa(self, height_m: ArrayLike) -> NDArray:

@@ -25,8 +25,7 @@ def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) ->
 
     `seen` hears of each state that is written; returns their number.
     """
-    with atomic_write.written(target) as passing, open(passing, "w+b", buffering=0) as stream:
-        sink = Sink(stream)
+    with atomic_write.written(target) as passing, Sink(passing, "w+b") as sink:
         with h5py.File(sink, "w") as file:
             root = file.create_group("VTKHDF")
             root.attrs["Version"] = VERSION
@@ -43,50 +42,36 @@ def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) ->
     return len(times)
 
 
-class Sink(io.RawIOBase):
-    """An unbuffered file whose write errors are kept until `check`: HDF5 cannot bear them, and would crash later."""
+class Sink(io.FileIO):
+    """A file whose write errors are kept until `check`: HDF5 cannot bear them, and would crash later."""
 
-    def __init__(self, stream):
-        self.stream, self.trouble, self.place = stream, None, 0
+    trouble: OSError | None = None
 
     def write(self, data) -> int:
         """Write all of the data; nothing after a first error."""
-        rest, size = memoryview(data).cast("B"), memoryview(data).nbytes
+        rest = memoryview(data).cast("B")
+        size = rest.nbytes
         try:
-            self.stream.seek(self.place)
             while rest and self.trouble is None:
-                rest = rest[self.stream.write(rest) :]
+                rest = rest[super().write(rest) :]
         except OSError as error:
             self.trouble = error
-        self.place += size
         return size
 
     def readinto(self, buffer) -> int:
         """Read what the file holds; zeros beyond its end."""
         view = memoryview(buffer).cast("B")
-        self.stream.seek(self.place)
-        got = self.stream.readinto(view)
+        got = super().readinto(view) or 0
         view[got:] = bytes(len(view) - got)
-        self.place += len(view)
         return len(view)
 
     def truncate(self, size: int | None = None) -> int:
         """Cut the file off; an error is kept."""
-        size = self.place if size is None else size
         try:
-            self.stream.truncate(size)
+            return super().truncate(size)
         except OSError as error:
             self.trouble = self.trouble or error
-        return size
-
-    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
-        """Go to a byte."""
-        self.place = self.stream.seek(0, whence) + offset if whence == io.SEEK_END else offset
-        return self.place
-
-    def tell(self) -> int:
-        """The present byte."""
-        return self.place
+            return size or 0
 
     def check(self) -> None:
         """Raise the OSError that has befallen the file, if one has."""

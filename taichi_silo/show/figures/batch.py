@@ -1,5 +1,6 @@
 """Forces of many runs over the bottom displacement: few of them coloured, so that each can be told from the others."""
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from taichi_silo.runs.result import Result, residual
@@ -43,5 +44,4 @@ def _spread(runs: list[Result]) -> list[Result]:
     if len(runs) <= len(COLORS):
         return runs
     ordered = sorted(runs, key=lambda run: residual(run.flow)["N"].mean())
-    last = len(COLORS) - 1
-    return [ordered[round(k * (len(ordered) - 1) / last)] for k in range(len(COLORS))]
+    return [ordered[k] for k in np.linspace(0, len(ordered) - 1, len(COLORS)).round().astype(int)]

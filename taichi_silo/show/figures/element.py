@@ -3,9 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from taichi_silo.show.figures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, new_figure
-
-COLORS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY)
+from taichi_silo.show.figures.style import BLUE, VERMILLION, WORDS, new_figure
 
 
 def wall_angle_deg(curve) -> np.ndarray:
@@ -19,7 +17,7 @@ def element_figure(curve, title: str, sheared: bool) -> Figure:
     stresses, friction, density = figure.subplots(1, 3)
     strain = 100.0 * curve.strain.abs()
     name = "shear strain (%)" if sheared else "axial logarithmic strain (%)"
-    for column, color in zip(("11", "22", "33", "12"), COLORS, strict=False):
+    for column, color in zip(("11", "22", "33", "12"), WORDS, strict=False):
         if column != "12" or sheared:
             stresses.plot(strain, 1e-3 * curve[f"sigma_{column}_Pa"], color=color, label=rf"$\sigma_{{{column}}}$")
     stresses.set(xlabel=name, ylabel="stress, compression positive (kPa)")

@@ -1,7 +1,5 @@
 """Forces on bottom and walls, and the wall friction angle, against the bottom displacement (Fig. 10, 11)."""
 
-import textwrap
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -57,8 +55,7 @@ def run_angle_figure(run: Result) -> Figure | None:
     panel = figure.subplots()
     draw_curve(panel, run, angle, BLUE, "median", raw_label="every row")
     reference_angle(panel, run)
-    words = textwrap.fill(title(run).replace(" mm", "\u00a0mm"), 88)  # no line may begin with a unit
-    panel.set_title(f"Mobilised wall friction\n{words}", fontsize=11)
+    put_title(figure, "Mobilised wall friction", title(run))
     panel.set_ylabel(ANGLE)
     x_axis(panel, [run])
     start_at_zero([panel], "y")

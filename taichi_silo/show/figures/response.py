@@ -11,19 +11,8 @@ from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from taichi_silo.show.figures.style import (
-    BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    REFERENCE,
-    SKY,
-    VERMILLION,
-    new_figure,
-    start_at_zero,
-)
+from taichi_silo.show.figures.style import BLUE, REFERENCE, WORDS, new_figure, start_at_zero
 
-WORDS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY)  # colours of values that are words
 NUMBERS = "viridis"
 BRIGHTEST = 0.88  # of that map; its yellow end is too pale for markers
 WIDE = 20.0  # ratio of the largest to the least of at least three values, from which an axis is logarithmic

@@ -6,16 +6,10 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-BLACK, BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (  # palette of Okabe and Ito
-    "#000000",
-    "#0072B2",
-    "#D55E00",
-    "#009E73",
-    "#CC79A7",
-    "#E69F00",
-    "#56B4E9",
-)
+BLACK, BLUE, VERMILLION, GREEN = "#000000", "#0072B2", "#D55E00", "#009E73"  # palette of Okabe and Ito
+PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
 COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)  # one after the other, where they mean nothing
+WORDS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY)  # of values that are words, and of components
 REFERENCE = "#555555"  # theory and reference lines
 
 STYLE: Any = {

@@ -79,7 +79,7 @@ def drawing(run: Result) -> str:
     silo = run.scene.silo
     sheet = Sheet(silo)
     wide, high = silo.width_m, silo.height_m
-    left, right = (_filled(side, high) for side in silo.sides)
+    left, right = ([*side[side[:, 1] < high], (polygons.place(side, high), high)] for side in silo.sides)
     sheet.shape([*right, *left[::-1]], "sand")
     for solid in silo.solids():
         sheet.shape(solid, "solid")
@@ -92,12 +92,6 @@ def drawing(run: Result) -> str:
     _floor(sheet, run)
     _dimensions(sheet, silo)
     return sheet.svg(f"Section of the silo, {mm(wide)} wide and filled {mm(high)} high")
-
-
-def _filled(side: np.ndarray, high: float) -> list[tuple[float, float]]:
-    """Corners of a side of the silo up to the surface of the fill."""
-    below = [(float(x), float(y)) for x, y in side if y < high]
-    return [*below, (float(polygons.place(side, high)), high)]
 
 
 def _floor(sheet: Sheet, run: Result) -> None:

@@ -9,8 +9,7 @@ from taichi_silo.errors import BadInput
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import no_link, writable
 from taichi_silo.show.figures.compare import plot_compared
-from taichi_silo.studies.compare import differences as tables
-from taichi_silo.studies.compare.deviation import deviations
+from taichi_silo.studies.compare import tables
 from taichi_silo.studies.compare.measured import read
 from taichi_silo.utils import atomic_write
 from taichi_silo.utils.bounded_reading import as_left, place
@@ -59,7 +58,7 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, csv: list[Path
     with as_left(runs[0].folder if len(runs) == 1 else f"one of {len(runs)}"):
         found = tables.differences(runs)
         theory = tables.janssen(runs) if janssen else None
-        away = deviations(runs, measured) if measured else None
+        away = tables.deviations(runs, measured) if measured else None
     no_link(*(output / f"{name}{end}" for name in PRODUCTS for end in ("", ".part")))
     output, files = writable(output), []
     for name in PRODUCTS:

@@ -88,15 +88,16 @@ class LatinHypercube(Options):
 
 def _range(path: str, given) -> Span | Choices:
     """Of [low, high], a list of words, or a table."""
-    if isinstance(given, dict):
-        return checked(Choices, given, f"{path}.") if "choices" in given else checked(Span, given, f"{path}.")
-    numbers = isinstance(given, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in given)
-    if numbers and len(given) == 2:
-        return checked(Span, {"low": given[0], "high": given[1]}, f"{path}.")
-    if isinstance(given, list) and not numbers:
-        return checked(Choices, {"choices": given}, f"{path}.")
-    right = "[low, high], a list of words, or a table of low, high or choices"
-    raise ValueError(f"{shown(path)} is {shown(given)}; it must be {right}")
+    if isinstance(given, list):
+        numbers = all(isinstance(one, int | float) and not isinstance(one, bool) for one in given)
+        if not numbers:
+            given = {"choices": given}
+        elif len(given) == 2:
+            given = dict(zip(("low", "high"), given, strict=True))
+    if not isinstance(given, dict):
+        right = "[low, high], a list of words, or a table of low, high or choices"
+        raise ValueError(f"{shown(path)} is {shown(given)}; it must be {right}")
+    return checked(Choices if "choices" in given else Span, given, f"{path}.")
 
 
 def checked(kind: type[Kind], given: dict, before: str = "") -> Kind:

@@ -1,4 +1,4 @@
-"""The table of differences: every quantity of every run against the first one; and each run against Janssen."""
+"""The tables of a comparison: each run against the first one, against Janssen, and against measurements."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -8,6 +8,7 @@ import pandas as pd
 
 from taichi_silo.analysis.measure.wall_pressure import clear_of_corner
 from taichi_silo.runs.result import Result
+from taichi_silo.show.figures.forces import curve
 from taichi_silo.show.report.states import (
     FORCES,
     discharge_rate_kg_per_s_m,
@@ -15,9 +16,15 @@ from taichi_silo.show.report.states import (
     largest_wall_stress,
     wall_profile,
 )
+from taichi_silo.studies.compare.measured import Measured
 
 COLUMNS = ("quantity", "state", "unit", "run", "value", "first_value", "difference", "difference_percent")
 PROFILE = "wall normal stress, rms difference"
+DEVIATIONS = (
+    "run", "file", "quantity", "state", "wall", "unit", "points", "place", "begin", "end", "rms", "largest",
+    "largest_at", "measured_peak", "rms_percent", "largest_percent",
+)  # fmt: skip
+UNITS = {"angle": "deg", "normal_stress_Pa": "Pa", "shear_stress_Pa": "Pa"}
 JANSSEN = ("run", "force", "unit", "pressure_ratio", "origin", "theory", "value", "difference", "difference_percent")
 LEAST_PA = 1.0  # mean wall stress: a share of less says nothing
 ROUND_OFF = 1e-9  # of the mean: a smaller difference is none
@@ -101,6 +108,46 @@ def janssen(runs: list[Result]) -> pd.DataFrame:
                 value, ratio = forces[name].filled, theory.get(f"pressure_ratio_{key}")
                 rows.append((run.label, name, "N/m", ratio, origin, expected, value, *_against(value, expected)))
     return pd.DataFrame(rows, columns=list(JANSSEN), dtype=object)
+
+
+def deviations(runs: list[Result], measured: list[Measured]) -> pd.DataFrame:
+    """A row for each run and each measured quantity.
+
+    Deviations are run less measurement at the measured places; `largest` has its sign, and percentages are over the
+    largest measured value. A profile that names no state is set beside all three. Where run and measurement have no
+    range in common `points` is 0.
+    """
+    rows = [row for one in measured for run in runs for row in _of_file(run, one)]
+    return pd.DataFrame(rows, columns=list(DEVIATIONS), dtype=object)
+
+
+def _of_file(run: Result, measured: Measured):
+    if measured.kind == "curves":
+        for name in measured.quantities:
+            known = measured.table[[measured.place, name]].dropna()
+            yield _row(run, measured, name, ("", ""), known.to_numpy(float).T, curve(run, name, measured.place))
+        return
+    for (state, wall), rows in measured.table.groupby(["state", "wall"], sort=False):
+        for name in measured.quantities:
+            known = rows[["height_m", name]].dropna().to_numpy(float).T
+            for one in (state,) if state else STATES:
+                yield _row(run, measured, name, (one, wall), known, wall_profile(run, one, name, wall))
+
+
+def _row(run: Result, measured: Measured, name: str, where: tuple[str, str], known, found) -> tuple:
+    """One comparison: `known` and `found` are (places, values)."""
+    head = (run.label, measured.name, name, *where, UNITS.get(name, "N/m"))
+    place, value = known
+    peak = float(np.abs(value).max()) if len(value) else None
+    x, y = found
+    common = (place >= x[0]) & (place <= x[-1]) if len(x) else np.zeros(len(place), bool)
+    if not common.any():
+        return (*head, 0, measured.place, None, None, None, None, None, peak, None, None)
+    place, deviation = place[common], np.interp(place[common], x, y) - value[common]
+    rms, k = float(np.sqrt(np.mean(deviation**2))), int(np.argmax(np.abs(deviation)))
+    share = (None, None) if not peak else (100.0 * rms / peak, 100.0 * float(deviation[k]) / peak)
+    span = (len(place), measured.place, float(place[0]), float(place[-1]))
+    return (*head, *span, rms, float(deviation[k]), float(place[k]), peak, *share)
 
 
 def _against(value: float | None, other: float | None) -> tuple[float | None, float | None]:
