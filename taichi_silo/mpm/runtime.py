@@ -9,6 +9,7 @@ import contextlib
 import io
 import os
 import tempfile
+import weakref
 from pathlib import Path
 
 import taichi as ti
@@ -20,6 +21,7 @@ real = ti.f64 if PRECISION == "f64" else ti.f32
 real_place = ti.f32 if PRECISION == "f32" else ti.f64
 CACHE_BYTES = 1 << 30  # of compiled kernels that are kept; a tenth, which is usual, holds those of a few scenes
 ARCHITECTURES = ("cpu", "cuda")
+_arrays: list[weakref.ref] = []  # what `array` has made under the running Taichi
 
 
 class ArchitectureError(RuntimeError):
@@ -46,6 +48,7 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
     if not _cache_can_be_kept():
         options |= {"offline_cache": False, "offline_cache_file_path": tempfile.gettempdir()}
     options["offline_cache_max_size_of_files"] = CACHE_BYTES
+    _forget_arrays()
     with contextlib.redirect_stdout(io.StringIO()):
         if arch == "cuda":
             if not ti._lib.core.with_cuda():
@@ -60,6 +63,25 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
                 make_cpu_multithreading_loop=False,
                 **options,
             )
+
+
+def array(dtype: object, length: int) -> ti.Ndarray:
+    """An array of so many elements, zero at first, which ends with the Taichi that it belongs to."""
+    made = ti.ndarray(dtype, length)
+    _arrays.append(weakref.ref(made))
+    return made
+
+
+def _forget_arrays() -> None:
+    """Take their memory from all arrays that `array` has made; the end of Taichi frees it.
+
+    An array hands its memory back when Python collects it, to whichever Taichi runs by then. In Taichi 1.7 one that is
+    collected after the next start so takes away a new array that happens to lie at the same address.
+    """
+    for reference in _arrays:
+        if (made := reference()) is not None:
+            made.arr = None
+    _arrays.clear()
 
 
 def _cache_can_be_kept() -> bool:

@@ -52,9 +52,9 @@ class Simd(Executor):
         self.threads = runtime.threads()
         self.loop = PhaseLoop(phases, grid, self.threads)
         self.layout = Layout(particles, grid, shape, surroundings, max(STRIPS, self.loop.threads))
-        self.points = ti.ndarray(eight, self.layout.groups * self.layout.record)
-        self.sums = ti.ndarray(eight, self.layout.strips * grid.nodes)
-        self.nodal = ti.ndarray(eight, grid.nodes)
+        self.points = runtime.array(eight, self.layout.groups * self.layout.record)
+        self.sums = runtime.array(eight, self.layout.strips * grid.nodes)
+        self.nodal = runtime.array(eight, grid.nodes)
         self.sums.fill(0.0)
         self.nodal.fill(0.0)
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
