@@ -128,25 +128,27 @@ def test_the_file_of_statements_is_valid():
     assert all(tolerance.why for tolerance in tolerances.values())
 
 
+FINISHED = 'tests = [{measure = "finished", low = 1}]'
+
+
 @pytest.mark.parametrize(
-    "more",
+    ("text", "words"),
     [
-        "",  # a number without a test
-        'tests = [{measure = "finished"}]',  # a test without a range
-        'tests = [{measure = "finished", low = 1, over = {swap = ["smooth", "icy"]}}]',  # no such case
-        'tests = [{measure = "finished", low = 1}]\ntolerance = "unknown"',
+        (statement("a"), "a number with 0 tests"),
+        (statement("a", more='tests = [{measure = "finished"}]'), "neither low nor high"),
+        (
+            statement("a", more='tests = [{measure = "finished", low = 1, over = {swap = ["smooth", "icy"]}}]'),
+            "no case",
+        ),
+        (statement("a", more=FINISHED + '\ntolerance = "unknown"'), "the tolerance unknown"),
+        (statement("a", cases="dense_icy_*", more=FINISHED), "no case"),
+        (2 * statement("a", more=FINISHED), "twice"),
     ],
+    ids=range(6),
 )
-def test_bad_statements_are_refused(tmp_path, more):
-    with pytest.raises(ValueError):
-        verdicts(tmp_path, statement("a", more=more))
-    with pytest.raises(ValueError, match="twice"):
-        verdicts(tmp_path, 2 * statement("a", more='tests = [{measure = "finished", low = 1}]'))
-
-
-def test_an_unknown_case_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="no case"):
-        verdicts(tmp_path, statement("a", cases="dense_icy_*", more='tests = [{measure = "finished", low = 1}]'))
+def test_bad_statements_are_refused(tmp_path, text, words):
+    with pytest.raises(ValueError, match=words):
+        verdicts(tmp_path, text)
 
 
 # measures
