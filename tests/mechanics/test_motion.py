@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from taichi_silo.mpm.laws import Elastic
-from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.shapes import Linear, UniformGimp
 from taichi_silo.mpm.walls import Coulomb, NoSlip, PlaneWall
 from validation.stability.bodies import block, change, solver
@@ -116,39 +115,3 @@ def test_sand_may_leave_a_coulomb_wall_but_not_a_very_rough_one():
         speeds[name] = particles.arrays()["velocity"][:, 0]
     assert np.abs(speeds["coulomb"] - 0.5).max() < 1e-12
     assert speeds["very rough"].min() < 0.1
-
-
-def column_stress_error(shape):
-    """RMS error of the vertical stress of a soft column at rest over its largest value, and how far the top sank.
-
-    At rest sigma = -(weight above), exactly, however much the column is compressed. Four points a cell.
-    """
-    height, cell, density = 1.0, 0.05, 1500.0
-    law = Elastic(density * G * height / 0.2, 0.0)
-    particles, grid = block(width=0.1, height=height, cell=cell, points_per_axis=2, box=(0.1, 1.1))
-    start = particles.arrays()["position"][:, 1]
-    walls = (
-        PlaneWall("left", 0, -1, grid.node_along(0.0), Coulomb()),
-        PlaneWall("right", 0, 1, grid.node_along(0.1), Coulomb()),
-        PlaneWall("floor", 1, -1, grid.node_along(0.0), Coulomb()),
-    )
-    body = solver(particles, grid, shape, law, walls, control=NoiseControl(filling_drag=1.0))
-    c = math.sqrt(law.young_modulus_Pa / density)
-    drag = 0.5 * math.pi * c / height
-    for gravity in ((0.0, G), (G, G)):
-        body.advance(6000, 0.1 * cell / c, gravity=gravity, filling_drag=drag)
-    found = particles.arrays()
-    error = found["stress"][:, 1] + density * G * (height - start)
-    sunk = start.max() - found["position"][:, 1].max()
-    return float(np.sqrt((error**2).mean())) / (density * G * height), sunk / cell
-
-
-def test_points_that_cross_cells_spoil_the_stress_of_linear_shapes():
-    error, _ = column_stress_error(Linear())
-    assert 0.1 < error < 1.0  # 0.21 of the largest stress; on finer grids it explodes
-
-
-def test_gimp_cures_the_cell_crossing():
-    error, cells = column_stress_error(UniformGimp(0.25))
-    assert cells > 1.8
-    assert error < 0.025
