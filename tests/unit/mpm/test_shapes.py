@@ -98,14 +98,12 @@ def test_gimp_weights_are_hat_functions_averaged_over_the_domain():
             assert np.abs(exact - weights).max() < 1e-4
 
 
-def test_contiguous_gimp_is_uniform_gimp_while_its_domain_is_the_first():
-    for mine, other in zip(evaluate(ContiguousGimp(0.25)), evaluate(UniformGimp(0.25)), strict=True):
-        assert np.abs(mine - other).max() < 1e-13
-
-
-def test_uniform_gimp_with_one_point_a_cell_is_the_quadratic_spline():
-    for mine, other in zip(evaluate(UniformGimp(0.5)), evaluate(QuadraticSpline()), strict=True):
-        assert np.abs(mine - other).max() < 1e-14
+@pytest.mark.parametrize(
+    ("one", "other"), [(ContiguousGimp(0.25), UniformGimp(0.25)), (UniformGimp(0.5), QuadraticSpline())], ids=repr
+)
+def test_contiguous_domains_start_as_uniform_ones_which_with_one_point_a_cell_are_the_quadratic_spline(one, other):
+    for mine, theirs in zip(evaluate(one), evaluate(other), strict=True):
+        assert np.abs(mine - theirs).max() < (1e-13 if isinstance(one, ContiguousGimp) else 1e-14)
 
 
 def test_gradients_of_convected_domains_are_means_over_the_parallelogram():
@@ -133,43 +131,33 @@ def test_a_domain_wider_than_a_cell_is_refused():
         UniformGimp(0.7)
 
 
-class TestGuardOfConvectedDomains:
-    @staticmethod
-    def convected(shape, domain, change=(0.0, 0.0, 0.0, 0.0)):
-        out = np.zeros(4)
+@ti.kernel
+def _convect(shape: ti.template(), r: ti.types.ndarray(), g: ti.types.ndarray(), out: ti.types.ndarray()):
+    for _ in range(1):
+        a, b, c, d = shape.convected((r[0], r[1], r[2], r[3]), (g[0], g[1], g[2], g[3]))
+        out[0], out[1], out[2], out[3] = a, b, c, d
 
-        @ti.kernel
-        def once(shape: ti.template(), r: ti.types.ndarray(), g: ti.types.ndarray(), out: ti.types.ndarray()):
-            for _ in range(1):
-                a, b, c, d = shape.convected((r[0], r[1], r[2], r[3]), (g[0], g[1], g[2], g[3]))
-                out[0], out[1], out[2], out[3] = a, b, c, d
 
-        once(shape, np.array(domain, dtype=float), np.array(change, dtype=float), out)
-        return out
+SQUARE = math.sqrt(0.6)  # side of a square of this area
 
-    def test_a_sound_domain_stays_as_it_is(self):
-        assert np.allclose(self.convected(ConvectedDomain(0.25), (0.5, 0.1, -0.1, 0.6)), (0.5, 0.1, -0.1, 0.6))
 
-    def test_a_long_one_is_shortened_to_two_cells(self):
-        a, b, c, d = self.convected(ConvectedDomain(0.25), (4.0, 3.0, -0.3, 0.4))
-        assert math.hypot(a, b) == pytest.approx(2.0)
-        assert (c, d) == (-0.3, 0.4)
-
-    def test_a_folded_one_becomes_a_square(self):
-        a, b, c, d = self.convected(ConvectedDomain(0.25), (0.5, 0.0, 0.1, -0.5))
-        assert (b, c) == (0.0, 0.0)
-        assert a == d > 0.0
-
-    def test_a_flat_one_becomes_a_square_of_its_area(self):
-        a, b, c, d = self.convected(ConvectedDomain(0.25), (1.5, 0.0, 1.4, 0.4))
-        assert (b, c) == (0.0, 0.0)
-        assert a * d == pytest.approx(0.6)
-
-    def test_without_guard_it_stays_folded(self):
-        folded = self.convected(ConvectedDomain(0.25, guarded=False), (0.5, 0.0, 0.1, -0.5))
-        assert folded[0] * folded[3] - folded[1] * folded[2] < 0.0
-
-    def test_simple_shear_moves_the_upper_edge(self):
-        assert np.allclose(
-            self.convected(ConvectedDomain(0.25), (0.5, 0.0, 0.0, 0.5), (0.0, 0.2, 0.0, 0.0)), (0.5, 0.0, 0.1, 0.5)
-        )
+@pytest.mark.parametrize(
+    ("domain", "change", "expected"),
+    [
+        ((0.5, 0.1, -0.1, 0.6), 0.0, (0.5, 0.1, -0.1, 0.6)),  # a sound one stays as it is
+        ((0.5, 0.0, 0.0, 0.5), 0.2, (0.5, 0.0, 0.1, 0.5)),  # simple shear moves the upper edge
+        ((4.0, 3.0, -0.3, 0.4), 0.0, (1.6, 1.2, -0.3, 0.4)),  # a long one is shortened to two cells
+        ((1.5, 0.0, 1.4, 0.4), 0.0, (SQUARE, 0.0, 0.0, SQUARE)),  # a flat one becomes a square of its area
+        ((0.5, 0.0, 0.1, -0.5), 0.0, None),  # a folded one a square
+    ],
+)
+def test_convected_domains_are_guarded(domain, change, expected):
+    found, free = np.zeros(4), np.zeros(4)
+    given = np.array(domain), np.array([0.0, change, 0.0, 0.0])
+    _convect(ConvectedDomain(0.25), *given, found)
+    if expected is not None:
+        assert found == pytest.approx(expected, rel=1e-12, abs=0.0)
+        return
+    assert (found[1], found[2]) == (0.0, 0.0) and found[0] == found[3] > 0.0
+    _convect(ConvectedDomain(0.25, guarded=False), *given, free)
+    assert free[0] * free[3] - free[1] * free[2] < 0.0
