@@ -47,50 +47,41 @@ def test_every_flag_that_overrules_is_one_of_the_command_line():
             assert flag in helped
 
 
-def test_only_sand_that_is_turned_back_gets_a_memory():
-    assert decided()["intergranular strain"].choice == "off"
-    assert decided(flow=Shaken())["intergranular strain"].choice == "on"
+SMOOTH = Walls(kind="smooth", friction_angle_deg=19.0)
+
+
+@pytest.mark.parametrize(
+    ("part", "choice", "words", "tables"),
+    [
+        ("intergranular strain", "off", "", {}),
+        ("intergranular strain", "on", "", {"flow": Shaken()}),  # only sand that is turned back gets a memory
+        ("non-local average", "off", "", {}),  # on once points are closer than its length
+        ("non-local average", "on", "10 mm", {"averaging": Averaging(characteristic_length_m=0.01)}),
+        ("wall friction solve", "off", "", {}),  # solved only where sand slips with friction
+        ("wall friction solve", "on", "", {"walls": Walls(bottom_friction_angle_deg=20.0)}),
+        ("wall friction solve", "on", "19 deg", {"walls": SMOOTH}),
+        ("wall friction solve", "off", "", {"walls": Walls(kind="smooth", friction_angle_deg=0.0)}),
+        ("particle domains", "off", "", {}),
+        ("particle domains", "on", "", {"grid": Mesh(shape="cpdi")}),
+        ("particle domains", "on", "", {"grid": Mesh(shape="cpgimp")}),
+        ("noise control", "off", "", {"method": Method(noise_control="none")}),
+    ],
+)
+def test_a_part_is_on_where_the_scene_needs_it(part, choice, words, tables):
+    found = decided(**tables)[part]
+    assert found.choice == choice
+    assert words in found.because
+
+
+def test_a_law_that_is_asked_for_is_kept_where_sand_is_turned_back():
     assert Scene(flow=Shaken()).law.REMEMBERS
-    asked = Scene(flow=Shaken(), sand=Sand(law="gudehus-bauer"))
-    assert not asked.law.REMEMBERS
-
-
-def test_the_average_is_on_once_points_are_closer_than_its_length():
-    assert decided()["non-local average"].choice == "off"
-    part = decided(averaging=Averaging(characteristic_length_m=0.01))["non-local average"]
-    assert part.choice == "on"
-    assert "10 mm" in part.because
-
-
-def test_friction_is_solved_only_where_sand_slips_with_friction():
-    assert decided()["wall friction solve"].choice == "off"
-    assert decided(walls=Walls(bottom_friction_angle_deg=20.0))["wall friction solve"].choice == "on"
-    part = decided(walls=Walls(kind="smooth", friction_angle_deg=19.0))["wall friction solve"]
-    assert part.choice == "on"
-    assert "19 deg" in part.because
-    assert decided(walls=Walls(kind="smooth", friction_angle_deg=0.0))["wall friction solve"].choice == "off"
-
-
-def test_domains_are_on_for_the_shapes_that_convect_them():
-    assert decided()["particle domains"].choice == "off"
-    for shape in ("cpdi", "cpgimp"):
-        assert decided(grid=Mesh(shape=shape))["particle domains"].choice == "on"
-
-
-def test_without_noise_control_the_list_says_so():
-    assert decided(method=Method(noise_control="none"))["noise control"].choice == "off"
+    assert not Scene(flow=Shaken(), sand=Sand(law="gudehus-bauer")).law.REMEMBERS
 
 
 def test_nodes_in_the_sand_are_counted_of_what_is_computed():
-    whole, half = (
-        decided(
-            silo=Silo(half=choice), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth", friction_angle_deg=19.0)
-        )["inactive cells"]
-        for choice in ("no", "yes")
-    )
-    simulation = Simulation(
-        Scene(silo=Silo(half="no"), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth", friction_angle_deg=19.0))
-    )
+    coarse = {"grid": Mesh(cell_size_m=0.02), "walls": SMOOTH}
+    whole, half = (decided(silo=Silo(half=choice), **coarse)["inactive cells"] for choice in ("no", "yes"))
+    simulation = Simulation(Scene(silo=Silo(half="no"), **coarse))
     assert whole.because.startswith(f"{11 * 26} of {simulation.solver.grid.nodes} nodes")
     assert half.because.startswith(f"{6 * 26} of ")
 
@@ -112,8 +103,7 @@ def test_twice_the_records_change_no_force():
 
     def run(records):
         scene = Scene(
-            silo=Silo(width_m=0.12, height_m=0.2), grid=Mesh(cell_size_m=0.02),
-            walls=Walls(kind="smooth", friction_angle_deg=19.0),
+            silo=Silo(width_m=0.12, height_m=0.2), grid=Mesh(cell_size_m=0.02), walls=SMOOTH,
             flow=Flow(speed_m_per_s=0.02, displacement_m=0.001), output=Output(records_per_period=records),
             method=Method(filling_time_s=0.2, longest_settling_s=0.1),
         )  # fmt: skip
