@@ -61,14 +61,17 @@ def test_a_body_that_flies_goes_on_flying(transfer, shape):
     assert np.abs(now["stress"]).max() < 1e-6
 
 
+def velocity_after(transfer, dt=0.0, steps=1):
+    """Velocities of the points of a block that starts with random ones."""
+    particles, body = moving_block(transfer)
+    if steps:
+        body.advance(steps, dt)
+    return particles.arrays()["velocity"]
+
+
 def test_pic_smears_what_flip_keeps():
-    left = {}
-    for name in ("flip", "pic", "blend", "xpic"):
-        particles, body = moving_block(TRANSFERS[name]())
-        body.advance(1, 0.0)
-        left[name] = np.square(particles.arrays()["velocity"]).sum()
-    particles, body = moving_block(TRANSFERS["flip"]())
-    first = np.square(particles.arrays()["velocity"]).sum()
+    first = np.square(velocity_after(TRANSFERS["flip"](), steps=0)).sum()
+    left = {name: np.square(velocity_after(TRANSFERS[name]())).sum() for name in ("flip", "pic", "blend", "xpic")}
     assert left["flip"] == pytest.approx(first, rel=1e-12)
     assert left["pic"] < 0.3 * first
     assert left["pic"] < left["xpic"] < first
@@ -77,23 +80,13 @@ def test_pic_smears_what_flip_keeps():
 
 def test_xpic_leaves_twice_what_pic_leaves_less_what_pic_leaves_of_that():
     """V becomes 2 P V - P P V."""
-    particles, body = moving_block(TRANSFERS["pic"]())
-    body.advance(1, 0.0)
-    once = particles.arrays()["velocity"]
-    body.advance(1, 0.0)
-    twice = particles.arrays()["velocity"]
-    particles, body = moving_block(TRANSFERS["xpic"]())
-    body.advance(1, 0.0)
-    assert np.abs(particles.arrays()["velocity"] - (2.0 * once - twice)).max() < 1e-13
+    once, twice = (velocity_after(TRANSFERS["pic"](), steps=count) for count in (1, 2))
+    assert np.abs(velocity_after(TRANSFERS["xpic"]()) - (2.0 * once - twice)).max() < 1e-13
 
 
 def test_blend_is_a_weighted_mean_of_flip_and_pic():
-    ends = {}
-    for name, transfer in (("flip", TRANSFERS["flip"]()), ("pic", TRANSFERS["pic"]()), ("blend", Blend(0.3))):
-        particles, body = moving_block(transfer)
-        body.advance(1, 1e-4)
-        ends[name] = particles.arrays()["velocity"]
-    assert np.abs(ends["blend"] - 0.7 * ends["flip"] - 0.3 * ends["pic"]).max() < 1e-14
+    flip, pic, blend = (velocity_after(t, 1e-4) for t in (TRANSFERS["flip"](), TRANSFERS["pic"](), Blend(0.3)))
+    assert np.abs(blend - 0.7 * flip - 0.3 * pic).max() < 1e-14
 
 
 @pytest.mark.parametrize("name", ["apic", "gradient"])
