@@ -7,7 +7,7 @@ from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.solver import Solver
 from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
-from taichi_silo.scene.symmetry import half_model, whole_points
+from taichi_silo.scene.symmetry import half_model
 from taichi_silo.simulation import model
 from taichi_silo.simulation.simulation import Simulation
 from taichi_silo.simulation.wall_forces import mirrored
@@ -96,42 +96,30 @@ def test_a_smooth_plate_along_the_axis_alone_would_not_do(monkeypatch):
     assert np.abs(plate[:count] - whole[:count]).max() > 1e-4 * whole[-1, 0]
 
 
-def test_a_mirror_turns_shear_and_horizontal_velocity_and_nothing_else():
-    half = {
-        "position": np.array([[0.01, 0.3]]), "velocity": np.array([[1.0, 2.0]]), "mass": np.array([5.0]),
-        "stress": np.array([[-1.0, -2.0, -3.0, 0.5]]),
-    }  # fmt: skip
-    whole = whole_points(half, 0.2)
-    assert whole["position"][1] == pytest.approx([0.19, 0.3])
-    assert list(whole["velocity"][1]) == [-1.0, 2.0]
-    assert list(whole["stress"][1]) == [-1.0, -2.0, -3.0, -0.5]
-    assert list(whole["mass"]) == [5.0, 5.0]
+SMOOTH = Walls(kind="smooth", friction_angle_deg=19.0)
 
 
-def test_smooth_walls_are_halved_by_themselves_and_an_odd_number_of_cells_never():
+@pytest.mark.parametrize(
+    ("what", "word"),
+    [
+        (Scene(silo=Silo(width_m=0.1), grid=Mesh(cell_size_m=0.02), walls=SMOOTH), "5 cells"),
+        (Scene(silo=Silo(width_m=0.04), walls=SMOOTH), "12.5 times as high as wide"),  # its sand may sway
+        (scene("auto", averaging=0.02), "average, 20 mm long"),  # reaches across the axis
+        (scene("auto", stress_filter="null-space"), "null-space filter"),
+    ],
+    ids=["odd", "slender", "average", "filter"],
+)
+def test_smooth_walls_are_halved_by_themselves_and_what_cannot_be_says_why(what, word):
     assert half_model(scene("auto"))[0]
-    odd = Scene(
-        silo=Silo(width_m=0.1), grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth", friction_angle_deg=19.0)
-    )
-    on, because = half_model(odd)
+    on, because = half_model(what)
     assert not on
-    assert "5 cells" in because
-
-
-def test_a_slender_silo_whose_sand_may_sway_stays_whole():
-    slender = Scene(silo=Silo(width_m=0.04), walls=Walls(kind="smooth", friction_angle_deg=19.0))
-    on, because = half_model(slender)
-    assert not on
-    assert "12.5 times as high as wide" in because
+    assert word in because
 
 
 @pytest.mark.parametrize(
     ("choices", "word"),
     [({"averaging": 0.02}, "average, 20 mm long"), ({"stress_filter": "null-space"}, "null-space filter")],
 )
-def test_what_reaches_across_the_axis_keeps_the_silo_whole(choices, word):
-    on, because = half_model(scene("auto", **choices))
-    assert not on
-    assert word in because
+def test_a_half_that_cannot_be_is_refused(choices, word):
     with pytest.raises(ValueError, match=f"half is yes; .*{word}"):
         scene("yes", **choices)
