@@ -73,13 +73,6 @@ def test_it_is_the_mean_by_definition(kernel):
     assert np.abs(Means(average)(norm) - by_definition(kernel, place, volume, norm)).max() < 1e-13
 
 
-def test_a_homogeneous_field_stays_as_it_is_next_to_walls_and_in_corners():
-    place, volume, _ = scattered(seed=2)
-    average = NonLocal(Gaussian(LENGTH), points_at(place, volume), 0.03 / math.sqrt(600))
-    average.refresh()
-    assert np.abs(Means(average)(np.full(600, 3.7)) - 3.7).max() < 1e-13
-
-
 def test_cost_grows_with_points_times_neighbours():
     spacing, pairs = 0.5e-3, []
     for across in (30, 60, 120):
@@ -109,15 +102,14 @@ def moved_after_building(place, moved, spacing):
     return average
 
 
-def test_kept_rows_give_the_answer_of_new_ones_as_long_as_they_are_kept():
-    allowed = 0.02 * LENGTH
-    place, moved, norm, spacing = in_a_shear_zone(0.98 * allowed)
-    average = moved_after_building(place, moved, spacing)
-    kept = Means(average)(norm)
-    average.rows.build()
-    new = Means(average)(norm)
-    assert np.abs(kept - new).max() < 2e-3 * norm.max()
-    assert np.abs(kept - norm).max() > 0.05 * norm.max()  # the average itself changes much more
+def test_kept_rows_give_the_answer_of_new_ones_as_long_as_they_are_kept_and_later_would_be_wrong():
+    for moves, low, high in ((0.98 * 0.02 * LENGTH, 0.0, 2e-3), (2.0 * LENGTH, 0.02, np.inf)):
+        place, moved, norm, spacing = in_a_shear_zone(moves)
+        average = moved_after_building(place, moved, spacing)
+        kept = Means(average)(norm)
+        average.rows.build()
+        assert low < np.abs(kept - Means(average)(norm)).max() / norm.max() < high
+        assert np.abs(kept - norm).max() > 0.05 * norm.max()  # the average itself changes much more
 
 
 def test_rows_are_built_anew_once_half_of_the_allowed_displacement_is_used_up():
@@ -127,14 +119,6 @@ def test_rows_are_built_anew_once_half_of_the_allowed_displacement_is_used_up():
         average = moved_after_building(place, moved, spacing)
         average.refresh()
         assert average.rows.builds == builds
-
-
-def test_rows_kept_far_too_long_would_be_wrong():
-    place, moved, norm, spacing = in_a_shear_zone(2.0 * LENGTH)
-    average = moved_after_building(place, moved, spacing)
-    kept = Means(average)(norm)
-    average.rows.build()
-    assert np.abs(kept - Means(average)(norm)).max() > 0.02 * norm.max()
 
 
 def test_points_that_clump_beyond_the_room_of_the_rows_stop_the_run():
