@@ -141,8 +141,7 @@ def refill(cell_size_m: float = 0.01, cycles: int = CYCLES) -> dict:
         simulation.restore(empty)
         records = list(simulation.fill())
         forces.append([(r.normal_N_per_m, r.shear_N_per_m, r.bottom_N_per_m) for r in records])
-        for record in simulation.flow():
-            records.append(record)
+        records += simulation.flow()
         weight = simulation.model.mass * simulation.model.gravity
         rest.append(max(abs(r.residual_N_per_m) for r in records) / weight)
         gone = simulation.discharged
