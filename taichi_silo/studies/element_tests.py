@@ -155,18 +155,15 @@ def specimen(scene: ElementScene) -> Specimen:
 
     def walls(grid):
         bottom, top = grid.node_along(0.0), grid.node_along(size)
+        held = NoSlip() if test.free is None else RoughFree()
+        base, lid, motion = (
+            (NoSlip(), held, (1.0, 0.0)) if test.sheared else (Frictionless(), Frictionless(), (0.0, 1.0))
+        )
+        plates = (PlaneWall("bottom", 1, -1, bottom, base), PlaneWall("top", 1, 1, top, lid, motion=motion))
         if test.sheared:
-            lid = NoSlip() if test.free is None else RoughFree()
-            return (
-                PlaneWall("bottom", 1, -1, bottom, NoSlip()),
-                PlaneWall("top", 1, 1, top, lid, motion=(1.0, 0.0)),
-            )  # fmt: skip
+            return plates
         side = PlaneWall("axis", 0, -1, grid.node_along(0.0), Frictionless())
         far = (PlaneWall("side", 0, 1, grid.node_along(size), Frictionless()),) if test.free is None else ()
-        plates = (
-            PlaneWall("bottom", 1, -1, bottom, Frictionless()),
-            PlaneWall("top", 1, 1, top, Frictionless(), motion=(0.0, 1.0)),
-        )  # fmt: skip
         return (side, *far, *plates)
 
     kept = test.free is not None

@@ -139,9 +139,8 @@ def test_the_friction_angle_of_smooth_walls_is_left_out_where_walls_are_very_rou
 
 
 def test_columns_are_what_was_asked_for_and_what_differs(tmp_path):
-    (tmp_path / "loose.toml").write_text(
-        "[sand]\nvoid_ratio = 0.9\n[walls]\nkind = 'smooth'\nfriction_angle_deg = 12.3\n"
-    )
+    loose = "[sand]\nvoid_ratio = 0.9\n[walls]\nkind = 'smooth'\nfriction_angle_deg = 12.3\n"
+    (tmp_path / "loose.toml").write_text(loose)
     (tmp_path / "dense.toml").write_text("")
     found = made("method.cfl=0.2", files=(tmp_path / "loose.toml", tmp_path / "dense.toml"))
     # dense sand is between very rough walls here, of which no half is computed
@@ -402,20 +401,11 @@ def test_a_sweep_on_a_cluster_needs_dask_and_one_on_this_machine_does_not(monkey
 
 
 def test_a_job_of_slurm_asks_for_what_the_file_says(tmp_path):
-    cluster = from_tables(
-        tomllib.loads("""
-        [cluster]
-        kind = "slurm"
-        queue = "short"
-        cores = 8
-        memory = "24GB"
-        walltime = "02:30:00"
-        account = "sand"
-        job_extra = ["--exclusive"]
-        prologue = ["module load python"]
-    """),
-        Path(),
-    ).cluster
+    asked = {
+        "kind": "slurm", "queue": "short", "cores": 8, "memory": "24GB", "walltime": "02:30:00", "account": "sand",
+        "job_extra": ["--exclusive"], "prologue": ["module load python"],
+    }  # fmt: skip
+    cluster = from_tables({"cluster": asked}, Path()).cluster
     with cluster.cluster(tmp_path) as slurm:
         script = slurm.job_script()
     for line in ("-p short", "-A sand", "--cpus-per-task=8", "--mem=23G", "-t 02:30:00", "--exclusive"):
@@ -467,9 +457,7 @@ def table_of(**columns) -> pd.DataFrame:
 
 
 def test_runs_that_are_alike_in_all_else_are_joined_and_one_without_an_answer_is_marked(tmp_path):
-    table = table_of(
-        silo__outlet__width_m=[0.04, 0.08, 0.12] * 2, walls__kind=["smooth"] * 3 + ["very-rough"] * 3,
-    )  # fmt: skip
+    table = table_of(silo__outlet__width_m=[0.04, 0.08, 0.12] * 2, walls__kind=["smooth"] * 3 + ["very-rough"] * 3)
     table[PRESSURE] = [3e3, 2e3, 1e3, np.nan, 5e3, 4e3]
     varied = ["silo.outlet.width_m", "walls.kind"]
     figure = response_figure(table, varied, Response())
@@ -484,12 +472,8 @@ def test_runs_that_are_alike_in_all_else_are_joined_and_one_without_an_answer_is
     assert response_figure(table, varied, Response(x="walls.kind")).axes[0].get_xlabel() == "walls"
     assert [file.name for file in plot_response(table, varied, Response(), tmp_path)] == ["response.png"]
     assert response_figure(table.assign(**{PRESSURE: np.nan}), varied, Response()) is None
-    few = table.iloc[[0, 1, 5]]  # as drawn by chance
-    assert (
-        not response_figure(few.assign(**{"silo.outlet.width_m": [0.04, 0.08, 0.1]}), varied, Response())
-        .axes[0]
-        .get_lines()
-    )
+    few = table.iloc[[0, 1, 5]].assign(**{"silo.outlet.width_m": [0.04, 0.08, 0.1]})  # as drawn by chance
+    assert not response_figure(few, varied, Response()).axes[0].get_lines()
 
 
 def test_wide_ranges_have_logarithmic_axes_and_many_colours_a_bar():

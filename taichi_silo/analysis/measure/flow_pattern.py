@@ -53,28 +53,16 @@ class FlowPattern:
 
 
 def mean_velocity(
-    before: NDArray,
-    after: NDArray,
-    interval_s: float,
-    identity_before: NDArray | None = None,
-    identity_after: NDArray | None = None,
+    before: NDArray, after: NDArray, interval_s: float, identity_before: NDArray, identity_after: NDArray
 ) -> tuple[NDArray, NDArray, NDArray]:
     """Half-way place (k, 2) [m], mean velocity (k, 2) [m/s] and index in `before` (k,) of points in two snapshots.
 
-    `before` and `after` are positions (n, 2) and (m, 2) in the laboratory; identities are a number for each point that
-    it keeps, and not needed if no point has left and the order is the same.
-
-    Raises ValueError if numbers of points differ and there are no identities, or if the interval is not positive.
+    `before` and `after` are positions (n, 2) and (m, 2) in the laboratory [m]; an identity is a number that a point
+    keeps. Raises ValueError if the interval is not positive.
     """
-    before, after = np.asarray(before, float), np.asarray(after, float)
     if not interval_s > 0.0:
         raise ValueError(f"interval is {interval_s} s; it must be positive")
-    if identity_before is None or identity_after is None:
-        if len(before) != len(after):
-            raise ValueError(f"{len(before)} points before and {len(after)} after: identities are needed")
-        index = other = np.arange(len(before))
-    else:
-        _, index, other = np.intersect1d(identity_before, identity_after, assume_unique=True, return_indices=True)
+    _, index, other = np.intersect1d(identity_before, identity_after, assume_unique=True, return_indices=True)
     start, end = before[index], after[other]
     return 0.5 * (start + end), (end - start) / interval_s, index
 

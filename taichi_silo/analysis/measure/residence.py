@@ -92,6 +92,7 @@ def _times(
     fields = [raster.of(flow[:, k]) for k in (0, 1)]
     place, time, arrival = points.copy(), np.zeros(len(points)), np.full(len(points), np.inf)
     on_way, step = np.arange(len(points)), STRIDE * raster.cell_m
+    walls = (width_m, np.inf)  # which points are kept between, and above the bottom
     stands = step / longest_s  # slower than this a single step takes longer than the longest time
 
     def velocity(place: NDArray) -> NDArray:
@@ -100,7 +101,7 @@ def _times(
     for _ in range(int(LONGEST_PATH * (width_m + np.ptp(raster.y_m)) / step) + 1):
         here, v = place[on_way], velocity(place[on_way])
         interval = step / np.maximum(np.hypot(v[:, 0], v[:, 1]), stands)
-        v = velocity(_between_walls(here + 0.5 * interval[:, None] * v, width_m))
+        v = velocity(np.clip(here + 0.5 * interval[:, None] * v, 0.0, walls))
         there = here + interval[:, None] * v
         through = there[:, 1] < 0.0
         part = np.where(through, here[:, 1] / np.maximum(here[:, 1] - there[:, 1], 1e-300), 1.0)
@@ -109,16 +110,11 @@ def _times(
         out = through & (crossing >= outlet[0]) & (crossing <= outlet[1])
         arrival[on_way[out]] = (time[on_way] + part * interval)[out]
         time[on_way] += interval
-        place[on_way] = _between_walls(there, width_m)
+        place[on_way] = np.clip(there, 0.0, walls)
         on_way = on_way[~out & (time[on_way] < longest_s)]
         if not len(on_way):
             break
     return np.where(arrival <= longest_s, arrival, np.inf)
-
-
-def _between_walls(place: NDArray, width_m: float) -> NDArray:
-    """Places (n, 2), moved to the nearest one between the walls and above the bottom."""
-    return np.clip(place, 0.0, (width_m, np.inf))
 
 
 def _at_surface(points: NDArray, raster: Raster, spacing: float) -> NDArray:

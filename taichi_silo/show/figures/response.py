@@ -112,8 +112,11 @@ def _panel(figure, panel, table: pd.DataFrame, x: str, y: str, colour: str | Non
     if bar is not None and colour is not None:
         figure.colorbar(bar, ax=panel, label=label(colour), pad=0.02)
     if handles:
+        title = None
+        if colour is not None and bar is None:
+            title = label(colour) if _is_number(table[colour]) else _parts(colour)[0]
         panel.legend(
-            handles=handles, title=None if colour is None or bar is not None else _title(table[colour]), ncols=3,
+            handles=handles, title=title, ncols=3,
             loc="lower left", bbox_to_anchor=(0.0, 1.0), fontsize=9.5, title_fontsize=9.5, alignment="left",
             borderaxespad=0.2, columnspacing=1.0, handletextpad=0.3,
         )  # fmt: skip
@@ -125,11 +128,6 @@ def _join(panel, line: list[int], places: np.ndarray, answers: np.ndarray, shade
     color = shades[line[0]] if alike else REFERENCE
     if len(line) > 1:
         panel.plot(places[line], answers[line], "-", zorder=1, linewidth=1.2, color=color, alpha=0.6)
-
-
-def _title(values: pd.Series) -> str:
-    """Title of a legend that explains a column."""
-    return label(values.name) if _is_number(values) else _parts(values.name)[0]
 
 
 def _places(values: pd.Series, factor: float) -> tuple[np.ndarray, list[str] | None]:

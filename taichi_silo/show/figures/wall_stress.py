@@ -53,26 +53,20 @@ def has_profiles(run: Result) -> bool:
 
 def draw_stress(panel, run: Result, quantity: str, name_origin: bool = True):
     """Draw one stress [kPa] against height [mm] for all states, with Janssen's theory."""
+    lines = ("-", (0, (2, 1)) if run.lopsided else "-")
     for state, (color, width, label) in STATES.items():
         profiles = [run.profile(state, wall, quantity) for wall in ("left", "right")]
         profiles = [profile for profile in profiles if len(profile[0])]
         for height, stress in profiles:
             panel.plot(stress / 1e3, 1e3 * height, color=color, alpha=0.35, linewidth=0.9)
-        if profiles and run.lopsided:
-            for (height, stress), line in zip(profiles, ("-", (0, (2, 1))), strict=False):
-                read = cell_mean(height, stress) / 1e3
-                name = label if line == "-" else None
-                panel.plot(read, 1e3 * height, color=color, linewidth=width, linestyle=line, label=name, zorder=3)
-        elif profiles:
+        if profiles and not run.lopsided:
             height = profiles[0][0]
-            mean = np.mean([np.interp(height, *profile) for profile in profiles], axis=0)
-            mean = cell_mean(height, mean)
-            panel.plot(mean / 1e3, 1e3 * height, color=color, linewidth=width, label=label, zorder=3)
+            profiles = [(height, np.mean([np.interp(height, *profile) for profile in profiles], axis=0))]
         hopper = [run.profile(state, wall, quantity) for wall in ("hopper_left", "hopper_right")]
-        for (height, stress), line in zip(hopper, ("-", (0, (2, 1)) if run.lopsided else "-"), strict=True):
-            if len(height):
-                read = cell_mean(height, stress, HOPPER_CELL_M)
-                panel.plot(read / 1e3, 1e3 * height, color=color, linewidth=width, linestyle=line)
+        for walls, cell_m, first in ((profiles, CELL_M, label), (hopper, HOPPER_CELL_M, None)):
+            for (height, stress), line, name in zip(walls, lines, (first, None), strict=False):
+                read = cell_mean(height, stress, cell_m) / 1e3
+                panel.plot(read, 1e3 * height, color=color, linewidth=width, linestyle=line, label=name, zorder=3)
     _draw_janssen(panel, run, quantity, name_origin)
     _draw_code(panel, run, quantity)
     panel.set_ylim(top=1.05e3 * run.scene.silo.height_m)  # nodes above the sand carry nothing

@@ -97,7 +97,7 @@ def _range(path: str, given) -> Span | Choices:
     if not isinstance(given, dict):
         right = "[low, high], a list of words, or a table of low, high or choices"
         raise ValueError(f"{shown(path)} is {shown(given)}; it must be {right}")
-    return checked(Choices if "choices" in given else Span, given, f"{path}.")
+    return checked(Choices, given, f"{path}.") if "choices" in given else checked(Span, given, f"{path}.")
 
 
 def checked(kind: type[Kind], given: dict, before: str = "") -> Kind:
