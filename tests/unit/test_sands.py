@@ -9,17 +9,10 @@ from taichi_silo.scene import sands
 from taichi_silo.studies.element_tests import TESTS, start_strain, through_point
 
 NAMES = list(sands.published())
-OWN = """critical_friction_angle_deg = 31.0
-granular_hardness_Pa = 1e9
-n = 0.3
-alpha = 0.2
-beta = 1.5
-e_i0 = 1.1
-e_c0 = 0.95
-e_d0 = 0.6
-grain_density_kg_per_m3 = 2650.0
-d50_m = 0.3e-3
-"""
+OWN = (
+    "critical_friction_angle_deg = 31.0\ngranular_hardness_Pa = 1e9\nn = 0.3\nalpha = 0.2\nbeta = 1.5\n"
+    "e_i0 = 1.1\ne_c0 = 0.95\ne_d0 = 0.6\ngrain_density_kg_per_m3 = 2650.0\nd50_m = 0.3e-3\n"
+)
 
 
 def of(name, share=0.5):
@@ -86,12 +79,11 @@ def test_at_the_critical_state_nothing_changes_any_more(name):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_dense_sand_has_a_peak_and_loose_sand_none(name):
-    for share, peaks in ((0.25, True), (1.05, False)):
-        sand = of(name, share)
-        law = sand.constitutive_law()
-        angle = np.array(list(through_point(TESTS["triaxial"], law, sand.void_ratio, 50e3, 0.3)))[:, 6]
-        assert (angle.max() > sand.critical_friction_angle_deg + 3.0) == peaks
+@pytest.mark.parametrize(("share", "peaks"), [(0.25, True), (1.05, False)], ids=["dense", "loose"])
+def test_dense_sand_has_a_peak_and_loose_sand_none(name, share, peaks):
+    sand = of(name, share)
+    rows = list(through_point(TESTS["triaxial"], sand.constitutive_law(), sand.void_ratio, 50e3, 0.3))
+    assert (np.array(rows)[:, 6].max() > sand.critical_friction_angle_deg + 3.0) == peaks
 
 
 def test_sand_with_memory_starts_along_the_filling():

@@ -1,4 +1,4 @@
-"""Scenes from files: what is left out, what is named, what is misspelt; the template, the page and the schema."""
+"""Scenes from files: what is left out, named or misspelt; template, page and schema; fidelities and single changes."""
 
 import json
 
@@ -11,6 +11,8 @@ from taichi_silo.cli import model_silo
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.scene import reference, sands
+from taichi_silo.scene.dotted_paths import changed, known, value
+from taichi_silo.scene.fidelity import fidelities, fidelity
 from taichi_silo.scene.scene import Flow, Mesh, Scene, Walls
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.scene.silo import Insert, Outlet, Silo
@@ -28,12 +30,9 @@ def read(tmp_path):
     return of
 
 
-def test_an_empty_file_is_the_default_scene(read):
-    assert read("") == Scene()
-
-
-def test_the_template_is_the_default_scene(read):
-    assert read(reference.template()) == Scene()
+@pytest.mark.parametrize("text", ["", reference.template()], ids=["nothing", "the template"])
+def test_an_empty_file_and_the_template_are_the_default_scene(read, text):
+    assert read(text) == Scene()
 
 
 def test_template_page_and_schema_show_every_value_with_what_it_is():
@@ -55,12 +54,9 @@ def test_every_quantity_with_a_unit_in_its_name_has_that_unit():
         assert units[path] == unit
 
 
-def test_a_published_sand_is_known_by_its_name(read):
-    assert read({"sand": {"name": "hostun", "void_ratio": 0.7}}).sand == sands.sand("hostun", 0.7)
-
-
-def test_constants_that_are_given_beat_those_of_the_name(read):
-    assert read({"sand": {"name": "hostun", "void_ratio": 0.7, "d50_m": 1e-3}}).sand.d50_m == 1e-3
+@pytest.mark.parametrize("more", [{}, {"d50_m": 1e-3}], ids=["name", "name and a constant that beats its own"])
+def test_a_published_sand_is_known_by_its_name(read, more):
+    assert read({"sand": {"name": "hostun", "void_ratio": 0.7, **more}}).sand == sands.sand("hostun", 0.7, **more)
 
 
 def test_a_run_toml_is_a_scene(read, tmp_path):
@@ -81,7 +77,7 @@ def test_a_run_toml_is_a_scene(read, tmp_path):
     outlet=st.none() | st.tuples(st.integers(2, 3), st.sampled_from(["centre", "left", "right"])),
 )  # fmt: skip
 def test_a_scene_written_and_read_is_the_same(tmp_path_factory, width, height, speed, share, walls, name, outlet):
-    h, known = 0.01, sands.published()[name]
+    h, constants = 0.01, sands.published()[name]
     gate = None
     if outlet:
         columns, position = outlet
@@ -89,7 +85,7 @@ def test_a_scene_written_and_read_is_the_same(tmp_path_factory, width, height, s
         gate = Outlet(width_m=columns * h, position=position) if columns < width else None
     scene = Scene(
         silo=Silo(width_m=width * h, height_m=height * h, outlet=gate), walls=model_silo.walls(walls, 0.60),
-        grid=Mesh(cell_size_m=h), sand=sands.sand(name, 0.5 * (known["e_d0"] + known["e_c0"])),
+        grid=Mesh(cell_size_m=h), sand=sands.sand(name, 0.5 * (constants["e_d0"] + constants["e_c0"])),
         flow=Flow(speed_m_per_s=speed, displacement_m=share * height * h * (0.5 if gate else 1.0)),
     )  # fmt: skip
     file = tmp_path_factory.mktemp("scene") / "scene.toml"
@@ -147,18 +143,33 @@ def test_what_is_wrong_is_said_in_one_sentence(read, text, changes, words):
 
 
 def test_a_file_that_is_not_there_or_no_text_is_refused(tmp_path):
-    with pytest.raises(BadInput, match="No such file"):
-        read_scene(tmp_path / "none.toml")
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(BadInput, match="cannot be read"):
-        read_scene(tmp_path / "bytes.toml")
-    with pytest.raises(BadInput, match="cannot be read"):
-        read_scene(tmp_path)
+    for name, words in (("none.toml", "No such file"), ("bytes.toml", "cannot be read"), ("", "cannot be read")):
+        with pytest.raises(BadInput, match=words):
+            read_scene(tmp_path / name)
 
 
 @pytest.mark.parametrize("name", sands.published())
 def test_in_the_template_another_name_is_another_sand(read, name):
-    known = sands.published()[name]
-    e = round(0.5 * (known["e_d0"] + known["e_c0"]), 3)
+    constants = sands.published()[name]
+    e = round(0.5 * (constants["e_d0"] + constants["e_c0"]), 3)
     text = reference.template().replace('"karlsruhe"', f'"{name}"').replace("void_ratio = 0.6 ", f"void_ratio = {e} ")
     assert read(text).sand == sands.sand(name, e)
+
+
+def test_a_setting_changes_its_own_value_and_no_other():
+    scene = changed(Scene(), {"flow.speed_m_per_s": 0.005, "precision": "f32"})
+    assert value(scene, "flow.speed_m_per_s") == 0.005
+    assert scene == Scene(flow={"speed_m_per_s": 0.005})
+    assert not known("flow.colour") and not known("flow") and known("nudge")
+    with pytest.raises(BadInput, match=r"setting is flow\.colour"):
+        changed(Scene(), {"flow.colour": 1.0})
+
+
+def test_every_fidelity_that_comes_along_makes_a_scene_and_others_are_refused():
+    assert list(fidelities()) == ["draft", "standard", "converged"]
+    points = [changed(Scene(), one.settings).points for one in fidelities().values()]
+    assert points == sorted(points)
+    assert changed(Scene(), fidelity("standard").settings) == Scene(), "the default"
+    with pytest.raises(BadInput, match="fidelity is perfect; it must be one of draft, standard, converged"):
+        fidelity("perfect")
