@@ -23,26 +23,17 @@ def program(*words, cwd=None):
     return subprocess.run(command, capture_output=True, text=True, timeout=200, cwd=cwd)
 
 
-def test_the_help_names_every_command(said):
-    code, out, _ = said("--help")
-    assert code == 0
-    for name in app.COMMANDS:
-        assert f" {name} " in out
-
-
 @pytest.mark.parametrize("name", app.COMMANDS)
-def test_every_command_has_a_help_with_an_example_or_a_reason(said, name):
+def test_the_help_names_every_command_and_each_has_one(said, name):
+    assert f" {name} " in said("--help")[1]
     code, out, _ = said(name, "--help")
-    assert code == 0
-    assert "Usage: taichi-silo" in out
+    assert code == 0 and "Usage: taichi-silo" in out
 
 
 def test_an_unknown_command_or_flag_is_refused(said):
     assert said("rnu")[0] == 2
     code, _, err = said("list", "--jsn")
-    assert code == 2
-    assert err.count("\n") == 1
-    assert "--jsn" in err
+    assert (code, err.count("\n")) == (2, 1) and "--jsn" in err
 
 
 def test_the_list_has_every_scenario_and_sand(said):
@@ -59,8 +50,7 @@ def test_the_scene_that_is_printed_is_a_scene(said, tmp_path):
     assert said("scene", "--output", file)[0] == 0
     assert read_scene(file) == Scene()
     code, _, err = said("scene", "--output", file)
-    assert code == 2
-    assert "is there already" in err
+    assert code == 2 and "is there already" in err
     assert json.loads(said("scene", "--schema")[1])["title"] == "Scene"
     assert said("scene", "--markdown")[1].startswith("## `[silo]`")
 
