@@ -150,7 +150,7 @@ def averages(points: int) -> list[dict]:
         size = simulation.scene.points, 1, 1
         neighbours = average.rows.pairs / size[0]
         means = seconds_per_step(Neighbours(average).means)
-        anew = seconds_per_step(lambda n, a=average: [a.build() for _ in range(n)], seconds=0.1, rounds=3)
+        anew = seconds_per_step(lambda n, a=average: [a.rows.build() for _ in range(n)], seconds=0.1, rounds=3)
         for phase, cost in ((f"average of {neighbours:.0f}", means), (f"rows of {neighbours:.0f} anew", anew)):
             rows.append(row(size, phase, cost, None))
     return rows
