@@ -99,8 +99,8 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
     seconds : how long to measure; at least five intervals between records are.
 
     """
-    model, solver, begun = simulation.model, simulation.solver, simulation.state()
-    model.particles.load(_at_rest(model))
+    model, solver, points = simulation.model, simulation.solver, simulation.model.particles.arrays()
+    model.particles.load(_at_rest(model, points))
     speed = 0.0 if model.scene.flow.outflow == "gravity" else model.scene.flow.speed_m_per_s  # the gate stays shut
     rates: list[float] = []
     end = time.monotonic() + seconds
@@ -116,13 +116,16 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
             solver.advance(count, model.interval / count, gravity, (-speed if rates else 0.0, -speed))
             solver.impulses.read_and_reset()  # waits for the device
             rates.append((time.perf_counter() - started) / count)
-    simulation.restore(begun)
+    model.particles.load(points)
+    model.grid.memory.fill(0.0)
+    solver.surfaces.clear()
+    solver.impulses.read_and_reset()
     return float(np.median(rates)) if rates else math.nan  # the first builds lists; others get interrupted
 
 
-def _at_rest(model: Model) -> dict[str, np.ndarray]:
+def _at_rest(model: Model, points: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Fields of the points of the full silo under the stress of their own weight."""
-    scene, points = model.scene, model.particles.arrays()
+    scene = model.scene
     depth = np.maximum(scene.silo.height_m - points["position"][:, 1], 0.0)
     vertical = -scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * depth
     side = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio) * vertical
