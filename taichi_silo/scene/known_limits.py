@@ -4,8 +4,6 @@ The first are said before a run starts and kept in its summary: each is a cell o
 (`scenarios/stability.py`) that the choice can reach in a silo. The second stand in the report of a run.
 """
 
-from typing import Any
-
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene.fidelity import like
 from taichi_silo.scene.scene import Scene
@@ -44,7 +42,7 @@ def of_method(scene: Scene) -> list[str]:
             f"Updating the stress in the order {method.stress_update} damps nothing: dense sand between smooth walls "
             "ratchets in spite of the noise control, and N is a quarter too high after filling."
         )
-    shape: Any = SHAPES[scene.grid.shape]
+    shape = SHAPES[scene.grid.shape]
     fraction = shape(0.5 / scene.grid.points_per_cell**0.5).stable_fraction
     if method.cfl is not None and method.cfl > fraction:
         found.append(

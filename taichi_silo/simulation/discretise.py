@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from taichi_silo.mpm.contracts import Wall
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.laws.stress_point import wave_speed
@@ -136,7 +137,7 @@ def side_contact(scene: Scene, friction_angle_deg: float | None = None) -> Coulo
     return NoSlip() if angle is None else Coulomb(angle)  # very rough walls have no angle
 
 
-def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple:
+def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
     """Left, right, bottom; or left, right, floor (empty above an open hopper) and gate."""
     silo, h, side = scene.silo, scene.grid.cell_size_m, side_contact(scene)
     low = tuple(MARGIN + math.ceil(foot / h - 1e-9) if foot else 0 for foot in silo.feet_m)

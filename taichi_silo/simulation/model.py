@@ -1,10 +1,10 @@
 """What of a silo is computed: its points, cells and walls, its law and its scales of time."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from taichi_silo.mpm.contracts import Shape, Wall
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
@@ -47,7 +47,7 @@ class Model:
     scene: Scene
     section: Section
     law: GudehusBauer | Intergranular
-    shape: Any
+    shape: Shape
     spacing: float
     density: float
     gravity: float
@@ -62,7 +62,7 @@ class Model:
     grid: Grid
     averaging: NonLocal | None
     about_averaging: str
-    walls: tuple
+    walls: tuple[Wall, ...]
     surfaces: tuple[Surface, ...]
     wall_forces: WallForces
 

@@ -22,13 +22,15 @@ The contract of a shape, a frozen dataclass:
 A new shape is one file with these members and one name below.
 """
 
+from typing import Any
+
 from taichi_silo.mpm.shapes.bspline import QuadraticSpline
 from taichi_silo.mpm.shapes.cpdi import ConvectedDomain
 from taichi_silo.mpm.shapes.cpgimp import ContiguousGimp
 from taichi_silo.mpm.shapes.linear import Linear
 from taichi_silo.mpm.shapes.ugimp import UniformGimp
 
-SHAPES = {
+SHAPES: dict[str, type[Any]] = {
     "linear": Linear,
     "ugimp": UniformGimp,
     "cpgimp": ContiguousGimp,
