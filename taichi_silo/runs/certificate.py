@@ -53,7 +53,7 @@ def certificate(records: pd.DataFrame, filled: dict | None, final: dict, simulat
 def _steady_measures(flow: pd.DataFrame, simulation: Simulation) -> dict:
     """Noise and kinetic energy, once the oscillation from the start of the bottom has decayed."""
     period, weight = simulation.model.period, simulation.scene.weight_N_per_m
-    steady = flow[flow.time_s > simulation.clock.flow_start + STEADY_AFTER_PERIODS * period]
+    steady = flow[flow.time_s > (simulation.clock.flow_start or 0.0) + STEADY_AFTER_PERIODS * period]
     if len(steady) < 2 * MEAN_SPAN_PERIODS * period / flow.interval_s.median():
         return {}
     # means over a period: the control answers single oscillations by design

@@ -5,6 +5,7 @@ with the number behind it. What a scene does not use is compiled out.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.laws.integrate import LOCAL_ERROR
@@ -119,10 +120,10 @@ def domains(scene: Scene) -> Part:
 def wall_friction(scene: Scene) -> Part:
     """A friction solve at each node of a wall that is neither very rough nor frictionless."""
     silo = scene.silo
-    angles = {"bottom": scene.walls.bottom_friction_angle_deg}
+    angles: dict[str, float | None] = {"bottom": scene.walls.bottom_friction_angle_deg}
     if scene.walls.kind == "smooth":
         angles = {"side": scene.walls.friction_angle_deg} | angles
-    own = [("hopper", silo.hopper)] if silo.hopper else []
+    own: list[tuple[str, Any]] = [("hopper", silo.hopper)] if silo.hopper else []
     own += [(insert.kind, insert) for insert in silo.inserts]
     angles |= {name: body.friction_angle_deg for name, body in own if body.friction_angle_deg is not None}
     because = "; ".join(f"{name}: {_friction(angle)}" for name, angle in angles.items()) + "."
@@ -131,7 +132,7 @@ def wall_friction(scene: Scene) -> Part:
     return Part("wall friction solve", _on(any(angles.values())), _sentence(because), "--walls")
 
 
-def _friction(angle_deg: float) -> str:
+def _friction(angle_deg: float | None) -> str:
     return f"Coulomb's, {angle_deg:g} deg" if angle_deg else "0 deg, only the normal is solved"
 
 

@@ -1,5 +1,6 @@
 """One run: a scene, its observers, and the folder they leave; and the same run, resumed after it was left."""
 
+import functools
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -92,7 +93,8 @@ def resume(
 
 def _named(extra: tuple[Observer, ...]) -> dict[str, Observer]:
     """Observers by the names under which a checkpoint keeps their states: class, and number within the class."""
-    count, named = Counter(), {}
+    count: Counter[str] = Counter()
+    named: dict[str, Observer] = {}
     for one in extra:
         kind = type(one).__name__
         named[f"{kind}_{count[kind]}"] = one
@@ -140,7 +142,8 @@ class _Session:
 
     def go(self, stops: Stops) -> None:
         """Begin, or go on, and leave everything that a run leaves."""
-        begun, ended = [], None
+        begun: list[Observer] = []
+        ended = None
         try:
             self._work(begun, stops)
         except BaseException as error:  # noqa: BLE001 - whatever ends it, its files are put in order first
@@ -198,11 +201,16 @@ class _Session:
 
     def _draw(self, stops: Stops) -> list[BaseException]:
         """Draw what can be drawn; sentences on the rest become warnings. A stop leaves out what is not drawn yet."""
-        troubles, warnings = [], []
+        troubles: list[BaseException] = []
+        warnings: list[str | None] = []
+
+        def attempt(draw: Draw) -> None:
+            warnings.append(draw(self.folder))
+
         try:
             with stops.at_once(DRAWING % run_folder.go_on(self.folder)):
                 for draw in self.drawing:
-                    troubles += _tried(lambda draw=draw: warnings.append(draw(self.folder)))
+                    troubles += _tried(functools.partial(attempt, draw))
         except Stopped as stop:
             troubles.append(stop)
         if told := [sentence for sentence in warnings if sentence]:
@@ -212,9 +220,10 @@ class _Session:
 
     def _in_words(self, error: BaseException) -> BaseException:
         """The error; of the machine, one that says when, what, and what to do."""
-        if of_machine(error) is None:
+        found = of_machine(error)
+        if found is None:
             return error
-        what, remedy = of_machine(error)
+        what, remedy = found
         further = f"`{run_folder.go_on(self.folder)}` goes on from its last checkpoint"
         if not self.folder.is_dir():
             what = f"the folder {self.folder} was gone, and {what}"
@@ -237,7 +246,7 @@ class _Session:
 
 def _tried(*steps: Callable[[], object]) -> list[BaseException]:
     """Do all steps; one that goes wrong does not keep the others from it. Returns what went wrong."""
-    troubles = []
+    troubles: list[BaseException] = []
     for step in steps:
         try:
             step()

@@ -19,7 +19,8 @@ class Log(Observer):
     """
 
     def __init__(self, file: Path):
-        self.file, self.failure = file, None
+        self.file = file
+        self.failure: str | None = None
 
     def begin(self, simulation) -> None:
         """Say what begins."""

@@ -46,7 +46,9 @@ class ProgressLine(Observer):
         self.simulation, self.told = simulation, 0
         self.total = simulation.model.filling_time + 5.0 * simulation.model.period + simulation.model.flow_time
         self.done = min(simulation.time / self.total, 1.0)  # before this process
-        self.printed, self.forces, self.text, self.bar = self.done, None, "", None
+        self.printed, self.text = self.done, ""
+        self.forces: tuple[float, ...] | None = None
+        self.bar: Progress | None = None
         self._warn()
 
     def _show_bar(self) -> None:
@@ -63,9 +65,8 @@ class ProgressLine(Observer):
         """Show the present state, and what has been noticed."""
         self._warn()
         now = (record.bottom_force_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
-        if self.forces is None:
-            self.forces = now
-        self.forces = tuple(old + SMOOTHING * (new - old) for old, new in zip(self.forces, now, strict=True))
+        before = self.forces or now
+        self.forces = tuple(old + SMOOTHING * (new - old) for old, new in zip(before, now, strict=True))
         part = min(record.time_s / self.total, 1.0)
         left = (time.monotonic() - self.begun) * (1.0 - part) / max(part - self.done, 1e-9)
         p, t, n = (force / 1e3 for force in self.forces)

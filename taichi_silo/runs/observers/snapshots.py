@@ -34,7 +34,8 @@ class Snapshots(Observer):
         self.folder.mkdir(exist_ok=True)
         for old in self.folder.glob("*.vtu"):
             old.unlink()
-        self.rows, self.due = [], {"filling": 0, "flow": 0}
+        self.rows: list[dict] = []
+        self.due = {"filling": 0, "flow": 0}
         self._write("start")
 
     def state(self) -> dict:

@@ -5,6 +5,7 @@ import json
 import time
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -37,12 +38,16 @@ class Summary(Observer):
     """
 
     def __init__(self, file: Path, profiles: WallProfiles):
-        self.file, self.profiles, self.failure, self.found = file, profiles, None, {}
+        self.file, self.profiles = file, profiles
+        self.failure: str | None = None
+        self.found: dict = {}
 
     def begin(self, simulation) -> None:
         """Start the clock."""
-        self.simulation, self.after_filling = simulation, None
-        self.started, self.before, self.mid = time.monotonic(), None, None
+        self.simulation, self.started = simulation, time.monotonic()
+        self.after_filling: Any = None  # states of all points, as `_state` gives them
+        self.before: Any = None
+        self.mid: Any = None
 
     def state(self) -> dict:
         """All but the simulation."""
@@ -245,7 +250,7 @@ class Summary(Observer):
         scene, points = self.simulation.scene, self._state()
         filled = matched(self.after_filling, points)
         position = points["position"] + [0.0, points["sunk_m"]]
-        found = {}
+        found: dict = {}
         for side in ("left", "right"):
             zone = wall_zone_thickness_m(
                 position, points["void_ratio"], filled["void_ratio"], scene.silo.width_m, side=side

@@ -3,6 +3,7 @@
 import csv
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -34,8 +35,9 @@ class WallProfiles(Observer):
         self.period = simulation.scene.output.records_per_period
         self.full = BLOCK_PERIODS * self.period
         self.states: dict[str, tuple[float, float, np.ndarray]] = {}  # state: how far the grid sank, u, profile
-        self.block, self.fresh, self.largest = [], 0, 0.0  # the last records, and how many of them no block has
-        self.history = []  # time, displacement and profile of blocks of flow
+        self.block: list[Any] = []  # the last records,
+        self.fresh, self.largest = 0, 0.0  # how many of them no block has, and the largest N of a block
+        self.history: list[tuple] = []  # time, displacement and profile of blocks of flow
 
     def state(self) -> dict:
         """Finished blocks, and as many of the last records as a mean may need."""
@@ -133,9 +135,9 @@ class WallProfiles(Observer):
         height = wall_stress(self.states["filling"][2][LEFT, :rows], h, closed=False)[0]
         above = height >= self.simulation.scene.silo.transition_m
         found = largest_overpressure(
-            [time for time, *_ in self.history], height[above],
+            np.array([time for time, *_ in self.history]), height[above],
             np.stack([normal(profile)[:, above] for *_, profile in self.history]),
-            normal(self.states["filling"][2])[:, above], [u for _, _, u, _ in self.history],
+            normal(self.states["filling"][2])[:, above], np.array([u for _, _, u, _ in self.history]),
         )  # fmt: skip
         if found.wall < 0:
             return {}
@@ -156,7 +158,8 @@ class WallProfiles(Observer):
 
         Without the corner; `height_m` is above the initial bottom.
         """
-        scene, rows, found = self.simulation.scene, self.simulation.model.grid.rows, {}
+        scene, rows = self.simulation.scene, self.simulation.model.grid.rows
+        found: dict = {}
         for time, sunk, displacement, profile in self.history:
             for name, row in SIDES.items():
                 height, stress = wall_stress(profile[row, :rows], scene.grid.cell_size_m, closed=False)

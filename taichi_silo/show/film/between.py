@@ -37,7 +37,7 @@ class Between:
         table = states.index if isinstance(states, FilmStates) else states.snapshots
         self.times = table["time_s"].to_numpy(float)
         self._states: dict[int, Drawn] = {}
-        self._pair = None
+        self._pair: tuple[int, np.ndarray, np.ndarray, np.ndarray] | None = None
 
     def state(self, number: int) -> Drawn:
         """A row of the index."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
@@ -132,7 +132,7 @@ class Canvas:
         figure = Figure(figsize=(self.size[0] / dots, self.size[1] / dots), dpi=dots, facecolor="white")
         canvas = FigureCanvasAgg(figure)
         ink = tuple(channel / 255 for channel in INK)
-        look = {"labelsize": 26, "length": 8, "width": 2, "color": ink, "labelcolor": ink}
+        look: dict[str, Any] = {"labelsize": 26, "length": 8, "width": 2, "color": ink, "labelcolor": ink}
 
         silo = figure.add_axes(panel.fractions(self.size))
         bottom_m = self.top_m - panel.rows / self.pixels_per_metre
@@ -236,12 +236,12 @@ class Canvas:
             draw.text((x - left, y - top), text, INK, self._value_font, anchor="ls")
         band[...] = np.asarray(image)
         if self._tip is not None:
-            self._mark_tips(frame)
+            self._mark_tips(frame, self._tip)
         return frame
 
-    def _mark_tips(self, frame: np.ndarray) -> None:
+    def _mark_tips(self, frame: np.ndarray, newest: np.ndarray) -> None:
         """Put a dot with the curve's letter at each newest point, the letters kept apart from each other."""
-        tips = self._tip + (self.plot.left, self.plot.top)
+        tips = newest + (self.plot.left, self.plot.top)
         tips[:, 1] = np.clip(tips[:, 1], self.plot.top, self.plot.top + self.plot.rows - 1)
         for tip, (_, _, colour) in zip(tips, FORCES, strict=True):
             for radius, fill in ((11.0, (255, 255, 255)), (8.0, colour)):

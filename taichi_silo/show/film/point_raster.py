@@ -92,7 +92,7 @@ class SandRaster:
         return self.image
 
     @ti.kernel
-    def _claim(self, position: ti.types.ndarray()):
+    def _claim(self, position: ti.types.ndarray()):  # type: ignore[valid-type]
         for p in range(position.shape[0]):
             x = position[p, 0] * self.samples_per_metre - 0.5
             y = (self.top_m - position[p, 1]) * self.samples_per_metre - 0.5
@@ -110,7 +110,13 @@ class SandRaster:
                         ti.atomic_min(self.nearest[i, j], key)
 
     @ti.kernel
-    def _resolve(self, level: ti.types.ndarray(), image: ti.types.ndarray(), top: ti.f64, bottom: ti.f64):
+    def _resolve(
+        self,
+        level: ti.types.ndarray(),  # type: ignore[valid-type]
+        image: ti.types.ndarray(),  # type: ignore[valid-type]
+        top: ti.f64,
+        bottom: ti.f64,
+    ):
         """Average the samples of every pixel and release them for the next frame."""
         for i, j in ti.ndrange(self.rows, self.columns):
             colour = ti.Vector([0, 0, 0])
