@@ -1,1 +1,1 @@
-"""Numbers from states and from theories: point fields, measures, closed-form theories."""
+"""Numbers from arrays: measures of states, and closed-form theories."""
