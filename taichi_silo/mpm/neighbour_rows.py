@@ -72,6 +72,10 @@ class NeighbourRows:
         if self.revision != self.particles.revision or self._moved() > allowed_m:
             self.build()
 
+    def forget(self) -> None:
+        """Have no rows until the next update."""
+        self.revision = -1
+
     def build(self) -> None:
         """Build all rows; points whose place is no number leave the rows as they are.
 

@@ -115,9 +115,12 @@ class Particles:
         """All fields as arrays, first axis the active points."""
         return {name: getattr(self, name).to_numpy()[: self.active[None]] for name in self.names}
 
-    def load(self, arrays: Mapping[str, np.ndarray]) -> None:
-        """Set all fields from arrays of the same shapes, of at most `count` points; `affine` may be left out (0)."""
-        self.revision += 1
+    def load(self, arrays: Mapping[str, np.ndarray], revision: int | None = None) -> None:
+        """Set all fields from arrays of the same shapes, of at most `count` points; `affine` may be left out (0).
+
+        The state gets the next number of revision, or the one that it had when it was saved.
+        """
+        self.revision = self.revision + 1 if revision is None else revision
         number = len(arrays["mass"])
         for name in self.names:
             field = getattr(self, name)

@@ -26,18 +26,13 @@ def state_of(solver: Solver) -> dict:
 
 def restore(solver: Solver, kept: dict, points: dict[str, np.ndarray], revision: int) -> None:
     """Load points, which get this number of revision, and what `state_of` took when they were there."""
-    particles = solver.particles
     if solver.averaging.ACTIVE:
-        rows = solver.averaging.rows
-        rows.revision = -1
+        solver.averaging.rows.forget()
         if "rows" in kept:
-            origin = dict(kept["rows"])
-            builds = origin.pop("builds")
-            particles.load(points | origin)
-            rows.build()
-            rows.builds, rows.revision = builds, revision
-    particles.load(points)
-    particles.revision = revision
+            origin = {name: kept["rows"][name] for name in ("position", "volume")}
+            solver.particles.load(points | origin, revision)
+            solver.averaging.rows.build()
+    solver.particles.load(points, revision)
     for key, values in kept["nodes"].items():
         getattr(solver.grid, NODAL[key]).from_numpy(values)
     for name, values in kept.get("surfaces", {}).items():
