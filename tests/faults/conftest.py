@@ -1,7 +1,6 @@
 """What the tests of faults share: a run that nothing befell, and runs without what takes them their time."""
 
 import dataclasses
-import gc
 import shutil
 from pathlib import Path
 
@@ -24,12 +23,10 @@ def quick():
 
     def simulation(scene):
         key = scene.model_dump_json(exclude={"output"})
-        if not made or made[2:] != [key, ti.lang.impl.get_runtime().prog]:  # fields die with the Taichi they are of
-            made.clear()
-            gc.collect()  # what Taichi allocated for another simulation must not be given back to the Taichi after it
+        if not made or made[2:] != [key, ti.lang.impl.get_runtime()]:  # fields end with it
             runtime.init()  # afresh: the compiled kernels that are kept know fields by their numbers
             first = Simulation(scene)
-            made[:] = first, first.state(), key, ti.lang.impl.get_runtime().prog
+            made[:] = first, first.state(), key, ti.lang.impl.get_runtime()
         found, start, *_ = made
         found.model, found.warnings = dataclasses.replace(found.model, scene=scene), []
         found.restore(start)
