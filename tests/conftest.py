@@ -11,20 +11,19 @@ from pathlib import Path
 
 import pytest
 
+AFFINITY = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+if AFFINITY and (worker := os.environ.get("PYTEST_XDIST_WORKER")):
+    # each worker has a core of its own, so that runs take one thread: two would wait for each other's turn in vain;
+    # before anything makes a scene, whose default is the number of cores
+    os.sched_setaffinity(0, {AFFINITY[int(worker.removeprefix("gw")) % len(AFFINITY)]})
+
 from taichi_silo import api
+from taichi_silo.cli import flags, model_silo  # noqa: F401 - they hold scenes made when they are imported
 from taichi_silo.mpm import executors, runtime, solver
 from tests import taichi_frontend  # noqa: F401 - it makes Taichi's front end faster
 
 HERE = Path(__file__).parent
 DATA = HERE / "data"
-AFFINITY = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
-
-
-def pytest_configure(config):
-    """Each worker has a core of its own, so that runs take one thread: two would wait for each other's turn in vain."""
-    worker = os.environ.get("PYTEST_XDIST_WORKER")
-    if worker and AFFINITY:
-        os.sched_setaffinity(0, {AFFINITY[int(worker.removeprefix("gw")) % len(AFFINITY)]})
 
 
 @pytest.fixture
@@ -136,7 +135,6 @@ def site(tmp_path_factory):
 def small_run():
     """A function that leaves the folder of a real run of seconds: 40 points, a film of two seconds if it is wanted."""
     from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, run
-    from taichi_silo.cli import model_silo
     from taichi_silo.runs.observers import film_recorder
 
     def leave(folder, film=False, walls="smooth", silo=None, **parts):
