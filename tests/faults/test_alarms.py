@@ -300,7 +300,7 @@ SILENT = {
         "flow": Flow(outflow="gravity", displacement_m=2.0, longest_s=0.4),
     },
 }  # fmt: skip
-OFTEN = ("smooth", "very rough", "outlet", "round")  # each has kernels of its own; the others with `make test-long`
+OFTEN = ("smooth", "very rough", "round")  # each has kernels of its own; the others with `make test-long`
 
 
 @pytest.mark.parametrize(

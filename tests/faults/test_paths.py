@@ -107,7 +107,7 @@ def writers(place, out):
     )
     yield (
         ("render", place, "--size", "320x180", "--output", out / "a.mp4", "--overwrite"),
-        ("a.mp4", "a.rendering.mp4", "a.rendering.partial.mp4"),
+        ("a.mp4", "a.part.mp4"),
     )
     yield ("export", place, "--output", out / "b.vtkhdf", "--overwrite"), ("b.vtkhdf", "b.vtkhdf.part")
     yield ("export", place, "--format", "csv", "--output", out / "csv", "--overwrite"), ("csv", "csv.part")

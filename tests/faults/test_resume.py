@@ -82,7 +82,7 @@ SCENES = {  # and the moments
     ),
 }  # fmt: skip
 OFTEN = {  # name, threads, lanes; the others with `make test-long`
-    ("very rough walls", 2, True), ("half of smooth walls", 1, True), ("free outflow", 1, True),
+    ("very rough walls", 2, True), ("half of smooth walls", 1, True),
     ("rain, affine", 1, False),
 }  # fmt: skip
 CASES = [

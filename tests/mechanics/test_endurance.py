@@ -13,6 +13,7 @@ from tests.smallest import smallest
 pytestmark = pytest.mark.usefixtures("bare")
 
 
+@pytest.mark.long
 def test_a_silo_that_is_emptied_by_gravity_fills_again_bit_by_bit_alike(tried):
     runtime.init()
     found = endurance.refill(cycles=2)
