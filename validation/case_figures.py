@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from taichi_silo.runs.result import Result
+from taichi_silo.runs.snapshot import shown_displacements
 from taichi_silo.show.figures import draw_all
 from taichi_silo.show.figures.forces import (
     ANGLE,
@@ -25,7 +26,6 @@ from taichi_silo.show.figures.style import (
     start_at_zero,
 )
 from taichi_silo.show.figures.void_ratio import (
-    DISPLACEMENTS_MM,
     aspect,
     chosen_snapshots,
     color_bar,
@@ -119,7 +119,7 @@ def case_void_ratio_figure(runs):
         for run in group
     }
     limits = limits_of([field for row in fields.values() for field in row if field is not None])
-    columns, rows = len(DISPLACEMENTS_MM), sum(map(len, groups))
+    columns, rows = max(map(len, fields.values())), sum(map(len, groups))
     height = 3.6
     width = 2.2 + columns * (0.3 + max(height * aspect(limits), 1.2))
     figure = new_figure(width, (height + 0.5) * rows + 0.6 * len(groups) + 0.3)
@@ -128,10 +128,11 @@ def case_void_ratio_figure(runs):
         norm = color_range([field for run in group for field in fields[id(run)] if field is not None])
         panels = part.subplots(len(group), columns, squeeze=False, sharex=True, sharey=True)
         for run, line in zip(group, panels, strict=True):
-            for panel, row, field, target in zip(line, cases[id(run)], fields[id(run)], DISPLACEMENTS_MM, strict=True):
+            targets = [0.0, *shown_displacements(run.scene.flow)]
+            for panel, row, field, target in zip(line, cases[id(run)], fields[id(run)], targets, strict=True):
                 if field is None:
                     panel.set_axis_off()
-                    missing = f"u = {target:g} mm\nnot reached"
+                    missing = f"u = {1e3 * target:g} mm\nnot reached"
                     panel.text(0.5, 0.5, missing, ha="center", transform=panel.transAxes)
                     continue
                 draw_field(panel, field, norm, limits, run.scene.silo.solids())

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from taichi_silo.errors import BadInput, MachineFailed, Stopped
-from taichi_silo.runs import run_folder
+from taichi_silo.runs import run_folder, snapshot
 from taichi_silo.runs.observers import Observer, checkpoint
 from taichi_silo.runs.observers.checkpoint import Checkpoint
 from taichi_silo.runs.observers.forces import BALANCE, FORCES, Table
@@ -22,8 +22,6 @@ from taichi_silo.utils import bounded_reading, checked_npz, file_lock
 from taichi_silo.utils.machine_faults import of_machine
 from taichi_silo.utils.signals import Stops, heard
 
-# shares of the displacement at which figures show the state, after that at 0; free outflow is over sooner
-SHOWN, SHOWN_OF_FREE = (0.1, 0.25, 0.5, 1.0), (0.02, 0.1, 0.3, 1.0)
 BEFORE = "stopped before the run had begun; there is nothing of it to go on from"
 STILL = "stopped before the run went on; nothing has changed, and `%s` goes on with it"
 DRAWING = "stopped while film and figures were drawn; all else is there, and `%s` draws them"
@@ -124,7 +122,6 @@ class _Session:
             with checked_npz.understood(folder):
                 self.simulation.restore(kept["simulation"])
         self.simulation.warnings += words
-        shares = SHOWN_OF_FREE if scene.flow.outflow == "gravity" else SHOWN
         profiles = WallProfiles(folder / "walls.csv")
         self.summary = Summary(folder / "summary.json", profiles)
         self.log = Log(folder / "run.log")
@@ -132,7 +129,7 @@ class _Session:
             "forces": Table(folder / "forces.csv", FORCES, bodies=True),
             "balance": Table(folder / "balance.csv", BALANCE),
             "profiles": profiles,
-            "snapshots": Snapshots(folder, [share * scene.flow.displacement_m for share in shares], scene.snapshots),
+            "snapshots": Snapshots(folder, snapshot.shown_displacements(scene.flow), scene.snapshots),
             "summary": self.summary,  # after those whose files it reads
             **extra,
             "guard": Guard(),  # after the others: they have seen what it stops at

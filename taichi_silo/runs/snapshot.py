@@ -5,9 +5,18 @@ from pathlib import Path
 import numpy as np
 
 from taichi_silo.errors import BadInput
+from taichi_silo.scene.scene import Flow
 from taichi_silo.utils import vtu
 
 BETWEEN = "film_"  # how the names of snapshots begin that stand between those of the figures
+# shares of the displacement at which figures show the state, after that at 0; free outflow is over sooner
+SHOWN, SHOWN_OF_FREE = (0.1, 0.25, 0.5, 1.0), (0.02, 0.1, 0.3, 1.0)
+
+
+def shown_displacements(flow: Flow) -> list[float]:
+    """Displacements [m] of the bottom, after 0, at which figures show the state of a run."""
+    shares = SHOWN_OF_FREE if flow.outflow == "gravity" else SHOWN
+    return [share * flow.displacement_m for share in shares]
 
 
 def stored(points: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -8,51 +8,40 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from taichi_silo.runs.result import Result
-from taichi_silo.runs.snapshot import figured
+from taichi_silo.runs.snapshot import figured, shown_displacements
 from taichi_silo.show.figures.style import new_figure, put_title
 from taichi_silo.show.titles import title
 
-DISPLACEMENTS_MM = (0.0, 2.0, 5.0, 10.0, 20.0)
-BEYOND = 1.05  # times the last of them: a run that goes on is shown at its end as well
 OVERLAP = 1.15  # squares are drawn larger by this factor, so that stretched sand shows no gaps
 COLORS = "viridis"
 CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
 
 def chosen_snapshots(run: Result) -> list:
-    """For each displacement of `DISPLACEMENTS_MM` the nearest snapshot (a row of the index) or None.
+    """The snapshot (a row of the index) at rest and those nearest to `shown_displacements` of the scene, each or None.
 
     A run that ended early shows its last state in place of the first displacement that it did not reach.
     """
-    index = figured(run.snapshots)
+    index, wanted = figured(run.snapshots), shown_displacements(run.scene.flow)
     if index.empty:
-        return [None] * len(DISPLACEMENTS_MM)
+        return [None] * (1 + len(wanted))
+    flow = index[index["stage"] == "flow"]
     if run.free:  # by what has left
-        flow = index[index["stage"] == "flow"]
-        some = [*index[index["stage"] != "flow"].tail(1).iterrows(), *flow.head(len(DISPLACEMENTS_MM) - 1).iterrows()]
+        some = [*index[index["stage"] != "flow"].tail(1).iterrows(), *flow.head(len(wanted)).iterrows()]
         rows = [row for _, row in some]
-        return rows + [None] * (len(DISPLACEMENTS_MM) - len(rows))
+        return rows + [None] * (1 + len(wanted) - len(rows))
     at_rest = index[index["displacement_m"] == index["displacement_m"].min()]
-    chosen, flow = [at_rest.iloc[-1]], index[index["stage"] == "flow"]
+    chosen = [at_rest.iloc[-1]]
     ended = flow.empty
-    for target in DISPLACEMENTS_MM[1:]:
-        distance = (1e3 * flow["displacement_m"] - target).abs()
+    for target in wanted:
         if ended:
             chosen.append(None)
             continue
-        ended = 1e3 * flow["displacement_m"].iloc[-1] < 0.95 * target
-        row = flow.iloc[-1] if ended else flow.loc[distance.idxmin()]
+        ended = flow["displacement_m"].iloc[-1] < 0.95 * target
+        row = flow.iloc[-1] if ended else flow.loc[(flow["displacement_m"] - target).abs().idxmin()]
         known = [one["file"] for one in chosen if one is not None]
         chosen.append(None if row["file"] in known else row)
     return chosen
-
-
-def _with_end(run: Result, rows: list) -> list:
-    """Chosen rows of the index, and the last state of a run that has gone far beyond them."""
-    index = figured(run.snapshots)
-    last = index[index["stage"] == "flow"].tail(1)
-    beyond = rows and len(last) and last["displacement_m"].iloc[0] > BEYOND * rows[-1]["displacement_m"]
-    return [*rows, last.iloc[0]] if beyond else rows
 
 
 def field_of(run: Result, file: str):
@@ -65,7 +54,7 @@ def field_of(run: Result, file: str):
 
 def run_void_ratio_figure(run: Result) -> Figure | None:
     """Figure of one run, or None without snapshots."""
-    rows = _with_end(run, [row for row in chosen_snapshots(run) if row is not None])
+    rows = [row for row in chosen_snapshots(run) if row is not None]
     if not rows:
         return None
     fields = [field_of(run, row["file"]) for row in rows]
