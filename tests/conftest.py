@@ -23,7 +23,7 @@ from taichi_silo.mpm import executors, runtime, solver
 from tests import taichi_frontend  # noqa: F401 - it makes Taichi's front end faster
 
 HERE = Path(__file__).parent
-DATA = HERE / "data"
+DATA, LONG = HERE / "data", HERE / "long.txt"
 
 
 @pytest.fixture
@@ -38,9 +38,16 @@ def all_cores():
     os.sched_setaffinity(0, own)
 
 
-def pytest_collection_modifyitems(items):
-    """Mechanics first: all tests of some folders, and those with the mark."""
+@pytest.hookimpl(tryfirst=True)  # before those with the mark `long` are left out
+def pytest_collection_modifyitems(config, items):
+    """Mechanics first: all tests of some folders, and those with the mark. Long ones are listed in long.txt."""
+    listed = {line for line in LONG.read_text(encoding="utf-8").splitlines() if not line.startswith("#")}
+    known = {name for item in items for name in (item.nodeid, item.nodeid.split("[")[0])}
+    if config.args == config.getini("testpaths") and (gone := listed - known):
+        raise pytest.UsageError(f"{LONG} lists what is no test: {min(gone)}")
     for item in items:
+        if listed & {item.nodeid, item.nodeid.split("[")[0]}:
+            item.add_marker("long")
         if item.path.parent.name in ("mechanics", "mpm"):
             item.add_marker("mechanics")
     items.sort(key=lambda item: item.get_closest_marker("mechanics") is None)
@@ -57,9 +64,19 @@ def pytest_addoption(parser):
     parser.addoption("--renew-curves", action="store_true", help="write the stored force curves anew")
 
 
+def plain(request):
+    """Whether a module's sand steps plainly (see `loops`)."""
+    return not getattr(request.module, "LANES", "unit" not in request.path.relative_to(HERE).parts)
+
+
 @pytest.fixture(autouse=True, scope="module")
-def taichi():
-    runtime.init()
+def taichi(request):
+    """Taichi for the module; single formulas are compiled without the optimiser, a quarter of the time."""
+    with pytest.MonkeyPatch.context() as patch:
+        if plain(request):
+            patch.setenv("TI_ADVANCED_OPTIMIZATION", "0")
+        runtime.init()
+        yield
 
 
 @pytest.fixture
@@ -78,7 +95,7 @@ def loops(request):
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(executors, "BURST", 2)
-        if not getattr(request.module, "LANES", "unit" not in request.path.relative_to(HERE).parts):
+        if plain(request):
             patch.setattr(solver, "hindrance", lambda solver: "this test does without")
         yield
 

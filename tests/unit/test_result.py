@@ -11,7 +11,7 @@ LOW = 1e-9
 
 
 @pytest.fixture(scope="module")
-def result(tmp_path_factory):
+def result(tmp_path_factory, bare):
     scene = ts.Scene(
         silo=ts.Silo.polygon([(0.05, 0), (0.15, 0), (0.2, 0.1), (0.2, 0.3), (0, 0.3), (0, 0.1)]),
         sand=ts.named_sand("hostun", 0.7),
@@ -54,6 +54,9 @@ def test_the_scene_comes_back_as_it_was_given(result):
 
 
 def test_a_notebook_shows_the_film(result):
+    (result / "void_ratio.mp4").write_bytes(bytes(2000))
+    (result / "figures").mkdir(exist_ok=True)
+    (result / "figures" / "forces.png").write_bytes(b"")
     page = result._repr_html_()
     assert "<video controls" in page
     assert "P = " in page
