@@ -4,6 +4,7 @@ The lines stand in its messages of errors, which stay as they are; here each is 
 """
 
 import functools
+import sys
 import textwrap
 from types import SimpleNamespace
 
@@ -29,3 +30,21 @@ ast_transformer_utils.TextWrapper = Wrapper
 kernel_impl.textwrap = SimpleNamespace(fill=remember(textwrap.fill), dedent=textwrap.dedent)
 kernel_impl.getsourcelines = remember(kernel_impl.getsourcelines)
 kernel_impl.getsourcefile = remember(kernel_impl.getsourcefile)
+
+
+def untraced(function):
+    """The function, without coverage watching: what Taichi does while it compiles is not the package's own."""
+
+    @functools.wraps(function)
+    def call(*args, **kwargs):
+        trace = sys.gettrace()
+        sys.settrace(None)
+        try:
+            return function(*args, **kwargs)
+        finally:
+            sys.settrace(trace)
+
+    return call
+
+
+kernel_impl.Kernel.materialize = untraced(kernel_impl.Kernel.materialize)

@@ -106,7 +106,7 @@ SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.function_s
 TRIED = "loads held", "random scene, 200 steps: mass, balance and limits kept"
 
 
-@settings(max_examples=1, deadline=None, derandomize=True, suppress_health_check=SLOW)
+@settings(max_examples=3, deadline=None, derandomize=True, suppress_health_check=SLOW)
 @given(scenes())
 @example(JUST_TOUCHED)
 def test_random_scenes_keep_mass_balance_and_limits(tried, scene):
