@@ -23,6 +23,7 @@ SHARED = (  # by all scenarios of a silo
     "sand.void_ratio", "sand.law", "walls.kind", ANGLE, "walls.bottom_friction_angle_deg",
     "filling.kind", "filling.layers", "filling.drop_m", "silo.half",
     "grid.cell_size_m", "grid.points_per_cell", "grid.shape", "averaging.characteristic_length_m", "averaging.weight",
+    "averaging.wall",
     "method.noise_control", "machine.threads", "machine.arch", "output.records_per_period", "output.snapshots",
     *flags.METHOD,
 )  # fmt: skip

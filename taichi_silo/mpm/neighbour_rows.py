@@ -1,6 +1,7 @@
 """Neighbours of each point within a radius, as sparse rows of normalised weights."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import taichi as ti
@@ -42,6 +43,10 @@ class NeighbourRows:
     radius : within which points are neighbours [m].
     particles : the points.
     spacing_m : of the points at the start.
+    rigid_planes : (axis, side, coordinate [m]) of planes beyond which nothing strains, yet counts: the kernel's share
+        beyond them joins the sum of a row. `side` is the sign of the normal out of the points.
+    alike_along_x : whether every field is alike along x, as in a periodic strip: distances are then along y only, which
+        is what remains of a Gaussian over the whole plane.
 
     Attributes
     ----------
@@ -51,16 +56,22 @@ class NeighbourRows:
 
     """
 
-    def __init__(self, kernel: Kernel, radius: float, particles: Particles, spacing_m: float):
+    def __init__(
+        self, kernel: Kernel, radius: float, particles: Particles, spacing_m: float,
+        rigid_planes: Sequence[tuple[int, int, float]] = (), alike_along_x: bool = False,
+    ):  # fmt: skip
+        self.rigid_planes = tuple(rigid_planes)
         self.kernel, self.radius, self.particles = kernel, radius, particles
+        self.counts = (0.0, 1.0) if alike_along_x else (1.0, 1.0)  # how much of x and y a distance counts
         self.builds, self.revision = 0, -1
         self.origin: dict[str, np.ndarray] = {}
         count = particles.count
-        self.room = most_pairs(radius, spacing_m, count)
+        self.room = count**2 if alike_along_x else most_pairs(radius, spacing_m, count)
         self.start = ti.field(ti.i32, shape=count + 2)
         self.neighbour = ti.field(ti.i32, shape=self.room)
         self.share = ti.field(real, shape=self.room)
         self.place = ti.Vector.field(2, real, shape=count)
+        self.sand = ti.field(real, shape=count)  # share of the kernel on this side of the rigid planes
 
     @property
     def pairs(self) -> int:
@@ -90,6 +101,7 @@ class NeighbourRows:
         if not np.isfinite(place).all():
             return  # the guard will stop the run
         self.origin = {"position": place, "volume": self.particles.volume.to_numpy()[:active]}
+        place = place * self.counts
         low = place.min(axis=0)
         extent = np.ptp(place, axis=0) + self.radius
         width = max(self.radius, math.sqrt(float(extent.prod()) / MOST_BINS), float(extent.max()) / MOST_BINS)
@@ -110,9 +122,19 @@ class NeighbourRows:
         full = np.full(self.particles.count + 2, start[-1], dtype=np.int32)
         full[: len(start)] = start
         self.start.from_numpy(full)
+        self.sand.from_numpy(np.pad(self._share_of_sand(place), (0, self.particles.count - active)))
         self._fill(order, first, bins.astype(np.int32), across, rows)
         self.builds += 1
         self.revision = self.particles.revision
+
+    def _share_of_sand(self, place: np.ndarray) -> np.ndarray:
+        """Share of the kernel around each place that lies on the points' side of all rigid planes."""
+        share = np.ones(len(place))
+        for axis, side, coordinate in self.rigid_planes:
+            distance = side * (coordinate - place[:, axis])
+            near = distance < self.radius
+            share[near] *= [1.0 - self.kernel.beyond(value) for value in distance[near]]
+        return share
 
     @ti.func
     def mean(self, values: ti.template(), p):
@@ -122,11 +144,15 @@ class NeighbourRows:
             total += self.share[k] * values[self.neighbour[k]]
         return total
 
+    @ti.func
+    def _distance(self, a, b):
+        return ((a - b) * ti.Vector(self.counts)).norm()
+
     @ti.kernel
     def _moved(self) -> real:
         most = 0.0
         for p in range(self.particles.active[None]):
-            ti.atomic_max(most, (self.particles.position[p] - self.place[p]).norm())
+            ti.atomic_max(most, self._distance(self.particles.position[p], self.place[p]))
         return most
 
     @ti.kernel
@@ -141,7 +167,7 @@ class NeighbourRows:
                 left = row * across + ti.max(bins[p, 0] - 1, 0)
                 right = row * across + ti.min(bins[p, 0] + 2, across)
                 for k in range(first[left], first[right]):
-                    if (self.particles.position[order[k]] - here).norm() <= self.radius:
+                    if self._distance(self.particles.position[order[k]], here) <= self.radius:
                         found += 1
             length[p] = found
 
@@ -159,10 +185,10 @@ class NeighbourRows:
                 right = row * across + ti.min(bins[p, 0] + 2, across)
                 for k in range(first[left], first[right]):
                     q = order[k]
-                    distance = (self.particles.position[q] - here).norm()
+                    distance = self._distance(self.particles.position[q], here)
                     if distance <= self.radius:
                         share = self.kernel.weight(distance) * self.particles.volume[q]
                         self.neighbour[at], self.share[at] = q, share
                         at, total = at + 1, total + share
             for k in range(self.start[p], at):
-                self.share[k] = self.share[k] / total
+                self.share[k] = self.share[k] * self.sand[p] / total

@@ -3,10 +3,12 @@
     d_bar(x) = sum_q w(|x - x_q|) V_q ||D_q|| / sum_q w(|x - x_q|) V_q
 
 The sum runs over the points that exist, so that a homogeneous field stays as it is next to a wall or a free surface.
+Rigid planes may count as well: a wall of no slip as grains that do not strain.
 A new weight is a subclass of `Weight`, or has its members, and a name in `WEIGHTS`.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +45,10 @@ class Weight:
 
 class Gaussian(Weight):
     """exp(-(r / l_c)^2) within 3 l_c: what the paper's authors computed with."""
+
+    def beyond(self, distance_m: float) -> float:
+        """Share of the weight beyond a plane at a distance."""
+        return 0.5 * math.erfc(distance_m / self.length_m)
 
 
 class Exponential(Weight):
@@ -83,6 +89,7 @@ class NonLocal:
     particles : the points.
     spacing_m : of the points at the start.
     tolerance : displacement of a point, over l_c, after which the rows are built anew.
+    rigid_planes, alike_along_x : see `NeighbourRows`.
 
     Raises
     ------
@@ -93,11 +100,14 @@ class NonLocal:
 
     ACTIVE = True
 
-    def __init__(self, kernel: Weight, particles: Particles, spacing_m: float, tolerance: float = TOLERANCE):
+    def __init__(
+        self, kernel: Weight, particles: Particles, spacing_m: float, tolerance: float = TOLERANCE,
+        rigid_planes: Sequence[tuple[int, int, float]] = (), alike_along_x: bool = False,
+    ):  # fmt: skip
         if not kernel.length_m > 0.0:
             raise ValueError(f"characteristic length is {kernel.length_m} m; it must be above 0")
         self.kernel, self.particles = kernel, particles
-        self.rows = NeighbourRows(kernel, kernel.radius, particles, spacing_m)
+        self.rows = NeighbourRows(kernel, kernel.radius, particles, spacing_m, rigid_planes, alike_along_x)
         self.allowed = tolerance * kernel.length_m
         self.rates = tuple(ti.field(real, shape=particles.count + 1) for _ in range(6))
         self.norm = self.rates[5]

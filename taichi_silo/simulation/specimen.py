@@ -18,6 +18,7 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.solver import Solver
+from taichi_silo.mpm.walls import NoSlip
 from taichi_silo.scene.method_options import MethodOptions
 
 STEP_SAFETY = 0.9  # of the stable step, which changes within an interval
@@ -51,9 +52,10 @@ class Specimen:
     ambient_pressure : of the fluid [Pa].
     left_m : free width to the left of the body (and to its right, unless `right_m` says otherwise).
     axisymmetric : whether x is a radius.
-    follows, periodic : see `Grid`.
+    follows, periodic : see `Grid`; fields of a periodic body are alike along x.
     gravity : [m/s2].
     kernel : of the non-local average, or None.
+    rigid_walls : whether walls of no slip count in it (see `NeighbourRows`).
     control : noise control.
     shape, options : of the method.
     h : intergranular strain at the start, for a law that remembers.
@@ -63,7 +65,8 @@ class Specimen:
     def __init__(
         self, law, void_ratio, *, width_m, height_m, cell_size_m, walls, stress, per_axis=1, ambient_pressure=0.0,
         left_m=0.0, right_m=None, axisymmetric=False, follows="top", periodic=False, gravity=0.0, kernel=None,
-        control: NoiseControl | None = None, shape="ugimp", options: MethodOptions | None = None, h=(0.0,) * 4,
+        rigid_walls=False, control: NoiseControl | None = None, shape="ugimp", options: MethodOptions | None = None,
+        h=(0.0,) * 4,
     ):  # fmt: skip
         self.law, self.gravity, self.options = law, gravity, options or MethodOptions()
         right_m = left_m if right_m is None else right_m
@@ -87,9 +90,12 @@ class Specimen:
         if law.REMEMBERS:
             state["intergranular"] = np.broadcast_to(np.asarray(h, dtype=float), (count, 4))
         self.particles.load(state)
+        found = walls(grid)
+        rigid = [wall.plane(grid) for wall in found if rigid_walls and isinstance(wall.contact, NoSlip)]
         self.solver = Solver(
-            self.particles, grid, shape, law, walls(grid), control or NoiseControl(),
-            averaging=NonLocal(kernel, self.particles, spacing) if kernel else None,
+            self.particles, grid, shape, law, found, control or NoiseControl(),
+            averaging=NonLocal(kernel, self.particles, spacing, rigid_planes=rigid, alike_along_x=periodic)
+            if kernel else None,
             surroundings=Surroundings(geometry, ambient_pressure), **self.options.solver_options(),
         )  # fmt: skip
         self.time = self.travel = 0.0

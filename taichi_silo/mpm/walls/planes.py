@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
+from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.walls.contact import Coulomb, Frictionless, NoSlip, RoughFree
 
 
@@ -30,6 +31,10 @@ class PlaneWall:
     contact: Coulomb | NoSlip | Frictionless | RoughFree
     motion: tuple[float, float] = (0.0, 0.0)
     lowest: int = 0
+
+    def plane(self, grid: Grid) -> tuple[int, int, float]:
+        """Axis, side and coordinate [m] (Python scope)."""
+        return self.axis, self.side, (self.node - MARGIN) * grid.cell_size
 
     @ti.func
     def holds(self, i, j):
