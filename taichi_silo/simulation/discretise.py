@@ -9,7 +9,7 @@ from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.mpm.nonlocal_average import NonLocal
+from taichi_silo.mpm.nonlocal_average import NonLocal, Weight
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
@@ -54,7 +54,7 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
         mass=section.factor * float(fill["mass"].sum()),
         particles=particles,
         grid=grid,
-        averaging=NonLocal(kernel, particles, scene.spacing_m) if kernel else None,
+        averaging=averaging_of(scene, kernel, particles, grid, walls),
         about_averaging=about_averaging,
         walls=walls,
         surfaces=surfaces,
@@ -82,7 +82,7 @@ def noise_control(scene: Scene, period: float) -> NoiseControl:
     """What the scene asks for, scaled to the period of its column [s]."""
     if scene.method.noise_control == "none":
         return NoiseControl()
-    return NoiseControl.for_column(period, scene.silo.height_m / scene.silo.width_m)
+    return NoiseControl.for_column(period, scene.silo.height_m / scene.silo.width_m, scene.law.REMEMBERS)
 
 
 # --- grid and points --------------------------------------------------------------------------------------------------
@@ -129,6 +129,16 @@ def fill_of(scene: Scene, section: Section, law: GudehusBauer | Intergranular, d
     if isinstance(law, Intergranular):  # the last strain is that of filling: vertical compression
         state["intergranular"] = np.tile([0.0, -law.radius, 0.0, 0.0], (count, 1))
     return state
+
+
+def averaging_of(
+    scene: Scene, kernel: Weight | None, particles: Particles, grid: Grid, walls: tuple[Wall, ...]
+) -> NonLocal | None:
+    """The non-local average, in which walls of no slip count if the scene wants it."""
+    if kernel is None:
+        return None
+    planes = [wall.plane(grid) for wall in walls if isinstance(wall, PlaneWall) and isinstance(wall.contact, NoSlip)]
+    return NonLocal(kernel, particles, scene.spacing_m, rigid_planes=planes if scene.averaging.wall == "rigid" else ())
 
 
 def side_contact(scene: Scene, friction_angle_deg: float | None = None) -> Coulomb | NoSlip:

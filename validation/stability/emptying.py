@@ -60,8 +60,8 @@ def empty(
     )
     floor = PlaneWall("floor", 1, -1, floor_node, Coulomb(wall_friction_deg))
     closed = Solver(particles, grid, shape, law, (*sides, floor), control)
-    drive(closed, 12.0 * period, gravity=(0.0, G), filling_drag=control.filling_drag)
-    drive(closed, 5.0 * period, gravity=(G, G), filling_drag=control.filling_drag)
+    drive(closed, 12.0 * period, gravity=(0.0, G))
+    drive(closed, 5.0 * period, gravity=(G, G))
     # the drag towards the recent mean would brake what now accelerates: of the control only the relaxation stays
     centre = MARGIN + round(0.5 * width / cell)
     half = round(0.5 * (outlet_m or 0.0) / cell)
@@ -94,11 +94,11 @@ def empty(
     }  # fmt: skip
 
 
-def drive(solver: Solver, duration: float, gravity, filling_drag: float = 0.0) -> None:
+def drive(solver: Solver, duration: float, gravity) -> None:
     """Steps of at most 0.9 of the stable length, found anew every 2 ms."""
     parts = max(1, math.ceil(duration / STEP_S))
     for number in range(parts):
         low, high = (gravity[0] + (gravity[1] - gravity[0]) * (number + k) / parts for k in (0, 1))
         growth = (low / high) ** 0.25 if low > 0.0 else 0.2
         steps = math.ceil(duration / parts / (0.9 * growth * solver.point_sums().stable_step))
-        solver.advance(steps, duration / parts / steps, (low, high), filling_drag=filling_drag)
+        solver.advance(steps, duration / parts / steps, (low, high))

@@ -19,7 +19,6 @@ PLAIN = {"noise_control": "none"}
 METHODS = {  # method, law, noise control where it is not the scene's own
     "drag to the mean (default)": ({"noise_control": "column"}, "gudehus-bauer", None),
     "no control": (PLAIN, "gudehus-bauer", None),
-    "drag while filling only": (PLAIN, "gudehus-bauer", "filling"),
     "relaxation to the grid only": (PLAIN, "gudehus-bauer", "relaxation"),
     "blend, 5 % PIC": (PLAIN | {"transfer": "blend"}, "gudehus-bauer", None),
     "PIC": (PLAIN | {"transfer": "pic"}, "gudehus-bauer", None),
@@ -52,8 +51,7 @@ def silo(method: dict, law: str, control: str | None) -> Simulation:
     if control is None:
         return simulation
     whole = NoiseControl.for_column(simulation.model.period)
-    only = {"filling": {"filling_drag": whole.drag}, "relaxation": {"relaxation": whole.relaxation}}[control]
-    return Simulation(scene, NoiseControl(**only))
+    return Simulation(scene, NoiseControl(**{control: getattr(whole, control)}))
 
 
 def state(simulation: Simulation) -> dict[str, float]:

@@ -113,7 +113,7 @@ class Ratcheting(_Since):
             return None
         cure = "switch the noise control on"
         if scene.method.noise_control != "none":
-            cure = "slender silos and fine cells need more control: try larger cells or a slower bottom"
+            cure = "the noise control holds against flow, so something else shakes the sand: see what moves in the film"
         alarm = Alarm(
             "ratcheting", False,
             f"sand that has not been sheared has lost {lost:.4f} of void ratio since the filling, most of it{{place}}",
