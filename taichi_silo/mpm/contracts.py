@@ -77,5 +77,5 @@ class Kernel(Protocol):
         """Characteristic length l_c [m]."""
 
 
-Filter = Callable[[Any, Any, Any], Any]  # class of a stress filter, made from particles, grid and law
+Filter = Callable[[Any, Any, Any, bool], Any]  # class of a stress filter: particles, grid, law, mirrored
 Numbers = np.ndarray | tuple[float, ...] | list[float]

@@ -4,6 +4,9 @@ Points outnumber nodes, so some patterns of stress, a checkerboard above all, gi
 resists them: the null space of the map from points to nodes.
 
 The contract: `ACTIVE`, and `phases()`, the phases that a filter adds after the stresses are known (see `executors`).
+One that works `BETWEEN_LAUNCHES` has none of them, but `begin()` for the start of `Solver.advance`, `turn()`, and
+`steps_within(speed, dt)`, how many steps may pass before the next turn.
+
 A filtered stress is pulled back to what the law admits.
 """
 
@@ -13,6 +16,7 @@ from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Phase
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.particles import Particles
+from taichi_silo.mpm.patch_filter import PatchFilter
 from taichi_silo.mpm.runtime import real
 
 FLAT = 1e-6  # spread of points in a cell, over the cell squared, below which they show no slope
@@ -21,16 +25,16 @@ FLAT = 1e-6  # spread of points in a cell, over the cell squared, below which th
 class Unfiltered:
     """Stresses stay as they are."""
 
-    ACTIVE = False
+    ACTIVE = BETWEEN_LAUNCHES = False
 
 
 @ti.data_oriented
 class CellFilter:
     """What both filters share: sums over a patch of nodes or cells, and the way back."""
 
-    ACTIVE = True
+    ACTIVE, BETWEEN_LAUNCHES = True, False
 
-    def __init__(self, particles: Particles, grid: Grid, law: Law):
+    def __init__(self, particles: Particles, grid: Grid, law: Law, mirrored: bool = False):
         self.particles, self.grid, self.law = particles, grid, law
         self.sums = ti.Vector.field(self.WIDTH, real, shape=grid.copies * grid.nodes)
         self.result = ti.Vector.field(self.WIDTH, real, shape=grid.nodes)
@@ -165,4 +169,4 @@ class Smoothing(CellFilter):
         self.put(p, s[1], s[2], s[3], s[4])
 
 
-FILTERS = {"none": None, "null-space": NullSpace, "smoothing": Smoothing}
+FILTERS = {"patch": PatchFilter, "none": None, "null-space": NullSpace, "smoothing": Smoothing}

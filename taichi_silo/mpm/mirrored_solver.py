@@ -16,6 +16,8 @@ from taichi_silo.mpm.solver import Solver
 class MirroredSolver(Solver):
     """A solver of the left half; the axis is the grid's last column before its margin."""
 
+    MIRRORED = True
+
     def phases(self) -> list[Phase]:
         """The phases of a step, each over nodes between folding and unfolding of the same row."""
         found: list[Phase] = []

@@ -68,6 +68,8 @@ class Solver:
 
     """
 
+    MIRRORED = False  # whether the grid ends with an axis of symmetry
+
     def __init__(
         self, particles: Particles, grid: Grid, shape: Shape, law: Law, walls: Iterable[Wall] = (),
         control: NoiseControl | None = None, down: Sequence[float] = (0.0, -1.0), averaging: NonLocal | None = None,
@@ -80,7 +82,7 @@ class Solver:
         self.surroundings = surroundings or Surroundings()
         # what a kernel asks for only where it is ACTIVE
         self.averaging: Any = averaging or Local()
-        self.filter: Any = filtering(particles, grid, law) if filtering else Unfiltered()
+        self.filter: Any = filtering(particles, grid, law, self.MIRRORED) if filtering else Unfiltered()
         self.surfaces: Any = NoSurfaces()
         self.transfer = transfer or Flip()
         self.second_walls = () if self.transfer.SECOND_TRANSFER else self.walls
@@ -166,15 +168,23 @@ class Solver:
         `gravity` [m/s2] and `plate_velocity` [m/s] are pairs, at the beginning and the end, and vary linearly between.
         """
         schedule = (*map(float, gravity), *map(float, plate_velocity), filling_drag)
-        if steps == 0 or not self.averaging.ACTIVE:
-            self.executor.run(0, steps, steps, dt, *schedule)
-            return
+        if steps == 0:
+            self.executor.run(0, 0, 0, dt, *schedule)  # compiles
+        looks = self.averaging.ACTIVE or self.filter.BETWEEN_LAUNCHES
+        if self.filter.BETWEEN_LAUNCHES:
+            self.filter.begin()
         done = 0
         while done < steps:
-            self.averaging.refresh()
-            fastest = self.point_sums().speed + max(map(abs, plate_velocity))
-            chunk = min(steps - done, self.averaging.steps_within(fastest, dt))
+            chunk = steps - done
+            fastest = self.point_sums().speed + max(map(abs, plate_velocity)) if looks else 0.0
+            if self.averaging.ACTIVE:
+                self.averaging.refresh()
+                chunk = min(chunk, self.averaging.steps_within(fastest, dt))
+            if self.filter.BETWEEN_LAUNCHES:
+                chunk = min(chunk, self.filter.steps_within(fastest, dt))
             self.executor.run(done, chunk, steps, dt, *schedule)
+            if self.filter.BETWEEN_LAUNCHES:
+                self.filter.turn()
             done += chunk
 
     def run_for(

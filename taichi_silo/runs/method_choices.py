@@ -9,6 +9,7 @@ from typing import Any
 
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.laws.integrate import LOCAL_ERROR
+from taichi_silo.mpm.patch_filter import STRAIN
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.symmetry import half_model
@@ -45,6 +46,7 @@ def parts(scene: Scene) -> list[Part]:
         non_local_average(scene),
         half(scene),
         sub_stepping(scene),
+        stress_filter(scene),
         domains(scene),
         wall_friction(scene),
         noise(scene, period),
@@ -102,6 +104,17 @@ def sub_stepping(scene: Scene) -> Part:
         "step of Heun's does for all others."
     )
     return Part("stress sub-stepping", "where needed", because)
+
+
+def stress_filter(scene: Scene) -> Part:
+    """Of patterns of stress that no node feels."""
+    count, name = scene.grid.points_per_cell, scene.method.stress_filter
+    because = (
+        f"With {count} point{'s' * (count > 1)} a cell nodes do not feel {3 * count - 2} of {3 * count} patterns of "
+        f"stress, and sheared sand holds none of them; those that vary from point to point fade over {STRAIN:g} of "
+        "strain."
+    )
+    return Part("stress filter", name, because if name == "patch" else f"As asked for: {name}.", "--filter")
 
 
 def domains(scene: Scene) -> Part:

@@ -30,7 +30,7 @@ def of_method(scene: Scene) -> list[str]:
     if method.stress_filter == "smoothing":
         found.append(
             "The smoothing filter is no projection: a stress at rest is gone after 1,000 steps, and a silo falls apart "
-            "under it; null-space removes the same checkerboards and leaves stresses alone."
+            "under it; patch, the default, takes out what no node feels and leaves stresses alone."
         )
     if method.noise_control == "none":
         found.append(

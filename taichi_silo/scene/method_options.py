@@ -29,7 +29,8 @@ class MethodOptions(Options):
         "last", description="when stresses are updated; modified: last, from velocities sent to the nodes once more"
     )
     stress_filter: StressFilter = Field(
-        "none", description="filter of the stresses after each step; smoothing is what the paper's authors used"
+        "patch",
+        description="filter of the stresses; patch: takes out, by strain, what no node feels; smoothing: the paper's",
     )
     time_step_s: float | None = Field(None, ge=1e-9, le=1, description="time step; from the sand's stiffness if absent")
     cfl: float | None = Field(

@@ -127,6 +127,10 @@ class Averaging(Options):
     weight: Literal["gaussian", "exponential"] = Field(
         "gaussian", description="weight of neighbours; the paper prints exponential"
     )
+    wall: Literal["ignored", "rigid"] = Field(
+        "ignored",
+        description="very rough straight walls in the mean: left out, or counted as grains that do not strain",
+    )
 
     def length_m(self, sand: Sand) -> float:
         """Characteristic length l_c [m]: as given, or three mean grain diameters."""
@@ -135,6 +139,8 @@ class Averaging(Options):
     def check(self, sand: Sand, spacing_m: float, points: int, width_m: float) -> None:
         """Refuse a characteristic length beyond the body, or with more neighbours than memory holds."""
         length = self.length_m(sand)
+        if self.wall == "rigid" and self.weight != "gaussian":
+            raise ValueError(f"weight is {self.weight}; with walls that count as rigid it must be gaussian")
         if length > width_m:
             raise ValueError(
                 f"characteristic length is {length:g} m; it must be between 0 and the width of {width_m:g} m"

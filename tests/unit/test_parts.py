@@ -31,8 +31,8 @@ def decided(**tables):
 def test_the_list_has_a_choice_and_a_number_for_every_part():
     found = parts(Scene())
     assert [part.part for part in found] == [
-        "intergranular strain", "non-local average", "half model", "stress sub-stepping", "particle domains",
-        "wall friction solve", "noise control", "output", "inactive cells", "sand at rest",
+        "intergranular strain", "non-local average", "half model", "stress sub-stepping", "stress filter",
+        "particle domains", "wall friction solve", "noise control", "output", "inactive cells", "sand at rest",
     ]  # fmt: skip
     for part in found:
         assert part.choice

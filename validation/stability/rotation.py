@@ -28,10 +28,13 @@ def shear_rate(radius):
     return np.where(radius < 0.9, radius * slope, 0.0)
 
 
-def carried_round(shape, spin, angle: float, steps: int, stress=(0.0, 0.0, 0.0, 0.0), per_axis: int = 2):
+def carried_round(
+    shape, spin, angle: float, steps: int, stress=(0.0, 0.0, 0.0, 0.0), per_axis: int = 2, filtering=None,
+):  # fmt: skip
     """Points that are led on circles with angular velocity `spin(radius)`, until those at the centre did `angle`.
 
-    Velocities and places are exact in each step; the grid only measures what they strain.
+    Velocities and places are exact in each step; the grid only measures what they strain. `stress` at the start is one
+    for all, or a function of the places from the centre.
 
     Returns
     -------
@@ -47,8 +50,9 @@ def carried_round(shape, spin, angle: float, steps: int, stress=(0.0, 0.0, 0.0, 
     middle = 0.5 + 0.5 * SIZE
     arm = particles.arrays()["position"] - middle
     radius = np.hypot(*arm.T)
-    change(particles, stress=np.tile(stress, (len(arm), 1)))
-    body = solver(particles, grid, shape, FREE)
+    given = stress(arm) if callable(stress) else np.tile(stress, (len(arm), 1))
+    change(particles, stress=given)
+    body = solver(particles, grid, shape, FREE, filtering=filtering)
     rate = spin(radius)
     dt = angle / steps / float(spin(np.array(0.0)))
     for number in range(steps):

@@ -32,7 +32,7 @@ def hindrance(solver: Any) -> str:
         return "it does not compute in f64"
     if solver.stress_update != "last":
         return f"its stress update is '{solver.stress_update}'"
-    if solver.filter.ACTIVE:
+    if solver.filter.ACTIVE and not solver.filter.BETWEEN_LAUNCHES:
         return "it filters stresses"
     if solver.transfer.SECOND_TRANSFER or solver.transfer.GRADIENT != "none":
         return f"its transfer is {solver.transfer}"

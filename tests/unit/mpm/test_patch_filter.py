@@ -1,0 +1,138 @@
+"""The filter that acts by strain: what varies from point to point fades as sand is sheared, and nothing else does."""
+
+import math
+
+import numpy as np
+import pytest
+
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.laws import Elastic
+from taichi_silo.mpm.patch_filter import STRAIN, PatchFilter
+from taichi_silo.mpm.shapes import UniformGimp
+from validation.stability.bodies import block, change, solver
+from validation.stability.rotation import CELL as TURNED_CELL
+from validation.stability.rotation import carried_round
+
+CELL, CELLS = 0.01, 16
+LARGE = 40.0 * STRAIN  # after so much strain nothing is left of what fades
+
+
+def filtered(stress, per_axis=1, strain=LARGE, jitter=0.0, shift=0.0, turns=1):
+    """Stresses before and after turns of the filter, each after a strain, and the places of the points [cells]."""
+    runtime.init()
+    size = CELLS * CELL
+    particles, grid = block(
+        width=size, height=size, cell=CELL, points_per_axis=per_axis, box=(size + CELL, size + CELL)
+    )
+    rng = np.random.default_rng(3)
+    place = particles.arrays()["position"]
+    place = place + CELL * (shift + jitter / per_axis * rng.uniform(-1.0, 1.0, place.shape))
+    given = stress(place / CELL)
+    # the elastic law admits any stress
+    volume = (CELL / per_axis) ** 2 * (1.0 + 0.2 * jitter * rng.uniform(-1.0, 1.0, len(place)))
+    change(particles, position=place, stress=given, volume=volume)
+    patch = PatchFilter(particles, grid, Elastic(1e6, 0.0))
+    for _ in range(turns):
+        patch.begin()
+        particles.path.from_numpy(particles.path.to_numpy() + strain)
+        patch.turn()
+    return given, particles.arrays()["stress"], place / CELL
+
+
+def inner(place, width=3.5):
+    """Which points lie so many cells within the block."""
+    return ((place > width) & (place < CELLS - width)).all(axis=1)
+
+
+def alternating(per_axis, along):
+    """A pattern that changes its sign from point to point along some axes."""
+
+    def stress(place):
+        number = np.floor(place * per_axis + 1e-9)[:, along].sum(axis=1)
+        return 1e3 * np.outer((-1.0) ** number, [1.0, 1.0, 1.0, 0.5])
+
+    return stress
+
+
+def linear(place):
+    x, y = place.T
+    return np.stack([1e3 * x, 2e3 * y - 1e3, 0.0 * x, 500.0 * (x + y)], axis=1)
+
+
+@pytest.mark.parametrize("per_axis, jitter", [(1, 0.0), (2, 0.4)])
+def test_linear_fields_stay_at_the_edges_too(per_axis, jitter):
+    before, after, _place = filtered(linear, per_axis, jitter=jitter)
+    assert np.abs(after - before).max() < 1e-9 * np.abs(before).max()
+
+
+@pytest.mark.parametrize("along", [[0], [1], [0, 1]])
+@pytest.mark.parametrize("per_axis, shift, most", [(1, 0.0, 0.02), (1, 0.5, 0.69), (2, 0.0, 0.02), (3, 0.0, 0.3)])
+def test_what_alternates_from_point_to_point_fades(per_axis, shift, most, along):
+    """On the nodes a quadratic weight of one point a cell feels three quarters of it: a turn takes (3/4)^4."""
+    before, after, place = filtered(alternating(per_axis, along), per_axis, shift=shift)
+    here = inner(place)
+    assert np.abs(after[here]).max() < most * np.abs(before[here]).max()
+
+
+def test_it_fades_with_strain_whatever_the_turns():
+    board = alternating(2, [0, 1])
+    before, once, place = filtered(board, 2, strain=STRAIN)
+    _, twice, _ = filtered(board, 2, strain=0.5 * STRAIN, turns=2)
+    here = inner(place)
+    assert once[here] == pytest.approx(math.exp(-1.0) * before[here], rel=0.05)
+    assert twice[here] == pytest.approx(once[here], rel=0.02)
+
+
+def test_without_strain_nothing_changes():
+    before, after, _place = filtered(alternating(2, [0, 1]), 2, strain=0.0)
+    assert (after == before).all()
+
+
+def test_its_error_is_of_eighth_order():
+    """A wave of 8 cells loses 2^8 times as much as one of 16 cells."""
+
+    def lost(wave):
+        k = 2.0 * math.pi / wave
+        before, after, place = filtered(lambda place: np.outer(np.cos(k * (place[:, 0] - 8.0)), [1e3] * 3 + [0.0]))
+        here = inner(place, 5.0)
+        return np.abs((after - before)[here]).max()
+
+    assert lost(8.0) / lost(16.0) == pytest.approx(256.0, rel=0.5)
+    assert lost(8.0) < 0.001 * 1e3
+
+
+def uneven(place):
+    """A stress, isotropic in the plane, that varies by a fifth over 10 cells: it stays itself as it turns."""
+    wave = 1.0 + 0.2 * np.sin(0.6 * place[:, 0] / TURNED_CELL) * np.cos(0.6 * place[:, 1] / TURNED_CELL)
+    return np.outer(wave, [-1e3, -1e3, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("per_axis", [1, 2])
+def test_a_body_that_turns_keeps_an_uneven_stress(per_axis):
+    """A quarter of a turn of a disc of 40 cells: it strains no more than round its edge, so nothing fades within.
+
+    (What the grid sees of a rotation is a strain rate of some hundredths of it.)
+    """
+    shape = UniformGimp(0.5 / per_axis)
+    ends = [
+        carried_round(shape, lambda radius: 0.0 * radius + 1.0, 0.5 * math.pi, 200, uneven, per_axis, filtering)
+        for filtering in (None, PatchFilter)
+    ]
+    within = ends[0][1] < 0.7
+    plain, kept = (particles.arrays()["stress"][within] for particles, _radius in ends)
+    assert np.abs(kept - plain).max() < 0.01 * 1e3
+
+
+def test_a_body_that_is_carried_keeps_any_stress():
+    """Over 20 cells, from point to point too."""
+    runtime.init()
+    particles, grid = block(width=0.08, height=0.08, cell=CELL, points_per_axis=2, box=(0.4, 0.12), origin=(0.05, 0.02))
+    law = Elastic(0.0, 0.0)
+    body = solver(particles, grid, UniformGimp(0.25), law, filtering=PatchFilter)
+    place = particles.arrays()["position"]
+    given = 1e-6 * np.outer(alternating(2, [0, 1])(place / CELL)[:, 0], [1.0, 1.0, 1.0, 0.0])
+    change(particles, stress=given, velocity=np.tile([4.0, 0.0], (len(place), 1)))
+    body.advance(500, 1e-4)
+    now = particles.arrays()
+    assert now["position"] == pytest.approx(place + [20 * CELL, 0.0], abs=1e-6)
+    assert now["stress"] == pytest.approx(given, rel=0.01)
