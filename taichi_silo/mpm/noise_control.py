@@ -29,20 +29,18 @@ class NoiseControl:
     relaxation: float = 0.0
 
     @classmethod
-    def for_column(cls, period_s: float, slenderness: float = 1.0, remembers: bool = False) -> "NoiseControl":
+    def for_column(cls, period_s: float, slenderness: float = 1.0) -> "NoiseControl":
         """Scaled to the slowest mode of the column, of the given period 4 H / c [s].
 
         A memory of an eighth of the period leaves 0.38 of the drag to that mode and nearly all of it to faster ones,
         and weighs on slow changes as an inertia of one more mass only (drag times memory), so that it neither bends
         the filling nor lags behind the bottom. Friction feeds the mode the more, the rougher the wall and the more wall
         there is for the sand: the drag holds up to 40 degrees, and beyond a height of four widths it grows with height
-        over width (`slenderness`). Sand that remembers its last strain is stiff whenever a swing turns that back, and N
-        after filling would be a sixth too low: it gets a drag while it is filled in as well (`remembers`).
+        over width (`slenderness`). While the silo is being filled a drag an eighth as strong, towards rest, comes on top.
         """
         swing = 2.0 * math.pi / period_s
         drag = 1.28 * swing * max(1.0, 0.25 * slenderness)
-        filling = 0.16 * swing if remembers else 0.0
-        return cls(drag=drag, memory_time=0.125 * period_s, filling_drag=filling, relaxation=0.16 * swing)
+        return cls(drag=drag, memory_time=0.125 * period_s, filling_drag=0.16 * swing, relaxation=0.16 * swing)
 
     @classmethod
     def for_specimen(cls, period_s: float, cell_transit_s: float) -> "NoiseControl":

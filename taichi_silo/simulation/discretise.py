@@ -82,7 +82,7 @@ def noise_control(scene: Scene, period: float) -> NoiseControl:
     """What the scene asks for, scaled to the period of its column [s]."""
     if scene.method.noise_control == "none":
         return NoiseControl()
-    return NoiseControl.for_column(period, scene.silo.height_m / scene.silo.width_m, scene.law.REMEMBERS)
+    return NoiseControl.for_column(period, scene.silo.height_m / scene.silo.width_m)
 
 
 # --- grid and points --------------------------------------------------------------------------------------------------

@@ -75,7 +75,7 @@ def test_between_very_rough_walls_twice_its_strength_changes_nothing(monkeypatch
 
     def doubled(*args):
         control = usual(*args)
-        return NoiseControl(2.0 * control.drag, control.memory_time, 0.0, control.relaxation)
+        return NoiseControl(2.0 * control.drag, control.memory_time, 2.0 * control.filling_drag, control.relaxation)
 
     monkeypatch.setattr(NoiseControl, "for_column", doubled)
     twice, _, _ = filled_and_flowing(None, until=0.0005)
