@@ -36,7 +36,8 @@ class NoiseControl:
         and weighs on slow changes as an inertia of one more mass only (drag times memory), so that it neither bends
         the filling nor lags behind the bottom. Friction feeds the mode the more, the rougher the wall and the more wall
         there is for the sand: the drag holds up to 40 degrees, and beyond a height of four widths it grows with height
-        over width (`slenderness`). While the silo is being filled a drag an eighth as strong, towards rest, comes on top.
+        over width (`slenderness`). While the silo is being filled a drag towards rest, an eighth as strong, comes on
+        top.
         """
         swing = 2.0 * math.pi / period_s
         drag = 1.28 * swing * max(1.0, 0.25 * slenderness)
