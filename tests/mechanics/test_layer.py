@@ -10,11 +10,7 @@ import pytest
 from taichi_silo.mpm import runtime
 from taichi_silo.scene.method_options import MethodOptions
 from validation.layer import layer, sheared
-
-CASES = {  # pressure [Pa], void ratio, characteristic length [m]
-    "a": (2e3, 0.60, 0.005), "b_10kPa": (1e4, 0.60, 0.005),
-    "c_loose": (2e3, 0.85, 0.005), "d_short": (2e3, 0.60, 0.0025),
-}  # fmt: skip
+from validation.layer_study import CASES
 
 
 def curve(case, cells, points, until_mm, **options):
