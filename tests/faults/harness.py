@@ -1,5 +1,6 @@
 """What befalls a run of the smallest silo, and what must be left of it."""
 
+import codecs
 import contextlib
 import csv
 import json
@@ -102,6 +103,7 @@ def nobody():
     """Within, this process has no more rights to files than any user."""
     if not hasattr(os, "geteuid"):
         pytest.skip("Windows keeps rights in other ways")
+    codecs.lookup("utf-8-sig")  # which scenes are read with; Python's own files may lie where nobody can read
     own = os.geteuid()
     if own == 0:
         os.seteuid(65534)
