@@ -14,6 +14,7 @@ import pandas as pd
 from typer import Option
 
 from taichi_silo.cli import command_line, flags
+from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.mpm.noise_control import NoiseControl
@@ -50,7 +51,7 @@ def layer(
     return Specimen(
         law, void_ratio + LOOSER * np.exp(-((y / LOOSER_WITHIN_M) ** 2)), width_m=COLUMNS * h, height_m=rows * h,
         cell_size_m=h, walls=walls, stress=stress, per_axis=per_axis, ambient_pressure=pressure, follows="surface",
-        periodic=True, kernel=Gaussian(length) if length else None, rigid_walls=wall == "rigid", shape=shape,
+        periodic=True, kernel=Gaussian(length), rigid_walls=wall == "rigid", shape=shape,
         options=options,
         control=NoiseControl.for_column(4.0 * HEIGHT_M / speed),
     )  # fmt: skip
@@ -74,18 +75,24 @@ def sheared(piece: Specimen, displacement: float):
 
 
 def run(
-    pressure: Annotated[float, Option(help="along y, kept [Pa]")] = 2000.0,
+    pressure: Annotated[float, Option(help="along y, kept [Pa]", min=100.0)] = 2000.0,
     void_ratio: Annotated[float, Option(help="initial void ratio away from the wall [-]")] = 0.60,
-    length: Annotated[float, Option(help="characteristic length of the non-local law [m]")] = 0.005,
+    length: Annotated[float, Option(help="characteristic length of the non-local law [m]", min=1e-4)] = 0.005,
     cells_per_length: Annotated[float, Option(help="cells along the characteristic length", min=0.2)] = 1.0,
     points_per_cell: Annotated[Literal["1", "4", "9"], Option(help="at the start")] = "1",
-    displacement: Annotated[float, Option(help="of the plate [m]")] = 0.004,
+    displacement: Annotated[float, Option(help="of the plate [m]", min=1e-4)] = 0.004,
     wall: Annotated[Literal["ignored", "rigid"], Option(help="in the non-local mean (averaging.wall)")] = "ignored",
     shape: flags.ShapeFlag = "ugimp",
     method: flags.MethodFlags = None,
     output: Annotated[Path, Option(help="folder, for curve.csv and points.csv")] = Path("outputs/layer"),
 ):
     """Shear a layer and write its curve."""
+    rows = HEIGHT_M * cells_per_length / length
+    if abs(rows - round(rows)) > 1e-6 or round(rows) < 2:
+        raise BadInput(
+            f"--cells-per-length is {cells_per_length:g}; the height of {HEIGHT_M:g} m must hold a whole "
+            f"number of cells, two or more, and holds {rows:.4g}"
+        )
     runtime.init()
     piece = layer(
         pressure, void_ratio, length, cells_per_length, int(points_per_cell), MethodOptions(**method), shape, wall

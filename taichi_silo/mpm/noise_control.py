@@ -45,7 +45,7 @@ class NoiseControl:
 
     @classmethod
     def for_specimen(cls, period_s: float, cell_transit_s: float) -> "NoiseControl":
-        """For a body whose sand yields everywhere: the same drag, and the points follow the grid within some cells.
+        """For a body whose sand yields everywhere: a weak drag with a long memory, and points that follow the grid.
 
         Yielding sand feeds what the grid cannot see at the pace of waves through a cell (h / c, the second argument),
         so the relaxation has to keep up with them: 0.12 c / h, a viscosity of 0.03 density c h (30 Pa s for 2.5 mm),

@@ -13,8 +13,9 @@ subtracts a share of what four passes of 1 - P leave,
     sigma_p <- sigma_p - (1 - exp(-gamma_p / STRAIN)) [(1 - P)^4 sigma]_p
 
 where gamma_p is the path length of the point's strain since the filter's last turn. Nothing happens to sand at rest or
-to a body that turns; the result depends neither on the time step nor on how many steps lie between two turns; and the
-error is of eighth order in the cell size.
+to a body that only moves, and the error is of eighth order in the cell size. What P does not know at all fades as
+exp(-gamma / STRAIN) whatever the turns; of what it half knows many turns within a strain take more than one, which is
+why turns follow each other every STRAIN or so (`TURN`), and the time step changes nothing but where they fall.
 """
 
 import taichi as ti

@@ -266,6 +266,8 @@ class Scene(Options):
                 "metres)"
             )
         self.averaging.check(self.sand, self.spacing_m, self.points, self.silo.width_m)
+        if self.averaging.wall == "rigid" and self.walls.kind != "very-rough":
+            raise ValueError(f"walls are {self.walls.kind}; in an average with rigid walls they must be very rough")
         half_model(self)
         self._check_outflow()
         return self

@@ -83,6 +83,12 @@ def test_it_fades_with_strain_whatever_the_turns():
     assert twice[here] == pytest.approx(once[here], rel=0.02)
 
 
+def test_a_thousandth_of_strain_takes_nearly_all_of_it():
+    before, after, place = filtered(alternating(1, [0]), strain=1e-3)
+    here = inner(place)
+    assert 0.01 < np.abs(after[here]).max() / np.abs(before[here]).max() < 0.1
+
+
 def test_without_strain_nothing_changes():
     before, after, _place = filtered(alternating(2, [0, 1]), 2, strain=0.0)
     assert (after == before).all()
