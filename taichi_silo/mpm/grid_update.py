@@ -17,9 +17,26 @@ def held(wall: ti.template(), step, i, j, x, y):
 
 
 @ti.func
+def held_by_delayed_friction(
+    wall: ti.template(), number: ti.template(), friction: ti.template(), step, i, j, k, m, x, y
+):  # fmt: skip
+    """As `held`, by wall `number`, whose friction on node k of mass m follows the normal force with a delay."""
+    base_x, base_y = step.plate_velocity * wall.motion[0], step.plate_velocity * wall.motion[1]
+    relative, normal = (x - base_x, y - base_y), wall.normal(i, j)
+    along, sliding = (
+        relative[0] * normal[0] + relative[1] * normal[1],
+        relative[0] * normal[1] - relative[1] * normal[0],
+    )
+    pressed = wall.contact.coefficient * ti.max(along, 0.0)
+    limit = friction.of_node(number, k, m * pressed, sliding, step.dt)
+    free_x, free_y = wall.contact.slow(relative, normal, along, limit / m)
+    return base_x + free_x, base_y + free_y
+
+
+@ti.func
 def motion_of_node(
-    grid: ti.template(), walls: ti.template(), surfaces: ti.template(), control: ti.template(), impulses: ti.template(),
-    down: ti.template(), i, j, step, m, old, push,
+    grid: ti.template(), walls: ti.template(), surfaces: ti.template(), friction: ti.template(),
+    control: ti.template(), impulses: ti.template(), down: ti.template(), i, j, step, m, old, push,
 ):  # fmt: skip
     """Velocity (x, y) [m/s] after the step of a node of mass m > 0 [kg/m], velocity `old` and acceleration `push`.
 
@@ -40,7 +57,10 @@ def motion_of_node(
     for number, wall in ti.static(enumerate(walls)):
         if wall.holds(i, j):
             free_x, free_y = x, y
-            x, y = held(wall, step, i, j, free_x, free_y)
+            if ti.static(friction.ACTIVE and getattr(wall.contact, "coefficient", 0.0) > 0.0):
+                x, y = held_by_delayed_friction(wall, number, friction, step, i, j, k, m, free_x, free_y)
+            else:
+                x, y = held(wall, step, i, j, free_x, free_y)
             impulses.add_wall(number, wall.slot(i, j), (m * (x - free_x), m * (y - free_y)))
     if ti.static(control.drag > 0.0):
         grid.remember(k, step.dt / control.memory_time, m, (x, y))
@@ -50,17 +70,18 @@ def motion_of_node(
 
 
 @ti.func
-def pass_by(grid: ti.template(), surfaces: ti.template(), k):
+def pass_by(grid: ti.template(), surfaces: ti.template(), friction: ti.template(), k):
     """Node k has no sand in this step: it forgets."""
     grid.forget(k)
+    friction.leave(k)
     if ti.static(surfaces.ACTIVE):
         surfaces.note(k, 0.0, 0.0, 0.0)
 
 
 @ti.func
 def integrate_node(
-    nodes: ti.template(), grid: ti.template(), walls: ti.template(), surfaces: ti.template(), control: ti.template(),
-    impulses: ti.template(), down: ti.template(), i, j, step, last: ti.template(),
+    nodes: ti.template(), grid: ti.template(), walls: ti.template(), surfaces: ti.template(), friction: ti.template(),
+    control: ti.template(), impulses: ti.template(), down: ti.template(), i, j, step, last: ti.template(),
 ):  # fmt: skip
     """Equation of motion of node (i, j), from its sums, which are emptied for the next step.
 
@@ -71,10 +92,10 @@ def integrate_node(
     if m > 0.0:
         per_m = 1.0 / m
         old, push = (px * per_m, py * per_m), (fx * per_m, fy * per_m)
-        x, y = motion_of_node(grid, walls, surfaces, control, impulses, down, i, j, step, m, old, push)
+        x, y = motion_of_node(grid, walls, surfaces, friction, control, impulses, down, i, j, step, m, old, push)
         nodes.write_velocity(k, x, y, old)
     else:
-        pass_by(grid, surfaces, k)
+        pass_by(grid, surfaces, friction, k)
 
 
 @ti.func

@@ -26,6 +26,7 @@ from taichi_silo.mpm.simd.executor import Simd, hindrance
 from taichi_silo.mpm.tensors import norm
 from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.mpm.wall_impulses import Impulses
+from taichi_silo.mpm.walls.friction import AtOnce, Delayed
 from taichi_silo.mpm.walls.surfaces import NoSurfaces, Surface, Surfaces
 
 STRESS_UPDATES = ("last", "first", "modified")
@@ -51,6 +52,8 @@ class Solver:
         et al. 1995).
     filtering : a class of `taichi_silo.mpm.filters`, or None.
     surfaces : walls of `taichi_silo.mpm.walls.surfaces` that do not follow the grid.
+    friction_delay_s : time in which friction at walls follows the normal force [s] (see `walls.friction`); 0: at once;
+        None: that in which a wave crosses the points' lesser extent three times.
     shared : whether a phase is one parallel task with atomic sums; None: on a GPU.
     simd : whether eight points go at once; None: wherever that is possible and can be trusted on this machine.
 
@@ -75,7 +78,7 @@ class Solver:
         control: NoiseControl | None = None, down: Sequence[float] = (0.0, -1.0), averaging: NonLocal | None = None,
         surroundings: Surroundings | None = None, shared: bool | None = None, transfer: Transfer | None = None,
         stress_update: str = "last", filtering: Filter | None = None, simd: bool | None = None,
-        surfaces: Sequence[Surface] = (),
+        surfaces: Sequence[Surface] = (), friction_delay_s: float | None = None,
     ):  # fmt: skip
         self.particles, self.grid, self.shape, self.law = particles, grid, shape, law
         self.walls, self.control = tuple(walls), control or NoiseControl()
@@ -92,6 +95,11 @@ class Solver:
         if surfaces:
             density = float(particles.mass[0] / particles.volume[0])
             self.surfaces = Surfaces(surfaces, grid, density, len(self.walls), self.surroundings.geometry.depth)
+        rubs = any(getattr(wall.contact, "coefficient", 0.0) > 0.0 for wall in (*self.walls, *surfaces))
+        self.friction: Any = AtOnce()
+        if rubs and friction_delay_s != 0.0:
+            stations = self.surfaces.count if surfaces else 0
+            self.friction = Delayed(particles, grid, len(self.walls), stations, friction_delay_s)
         atomic = not runtime.is_cpu() if shared is None else shared
         self.impulses = Impulses(len(self.walls) + len(surfaces), grid, atomic)
         self.sums = PointSums(particles, grid, law, atomic)
@@ -170,6 +178,9 @@ class Solver:
         schedule = (*map(float, gravity), *map(float, plate_velocity), filling_drag)
         if steps == 0:
             self.executor.run(0, 0, 0, dt, *schedule)  # compiles
+        if self.friction.ACTIVE:
+            found = self.point_sums()
+            self.friction.know_waves(self.grid.cell_size / found.transit - found.speed)
         looks = self.averaging.ACTIVE or self.filter.BETWEEN_LAUNCHES
         if self.filter.BETWEEN_LAUNCHES:
             self.filter.begin()
@@ -223,14 +234,14 @@ class Solver:
     def _integrate(self, store: ti.template(), i, j, step, what: ti.template()):
         """Equation of motion of a node, noise control, walls."""
         integrate_node(
-            store, self.grid, self.walls, self.surfaces, self.control, self.impulses, self.down, i, j, step,
+            store, self.grid, self.walls, self.surfaces, self.friction, self.control, self.impulses, self.down, i, j, step,
             what == "last",
         )  # fmt: skip
 
     @ti.func
     def _press(self, store: ti.template(), j, step, option: ti.template()):
         """New tractions of the surfaces' stations in row j."""
-        self.surfaces.press_row(j, step.dt)
+        self.surfaces.press_row(self.friction, j, step.dt)
 
     @ti.func
     def _second_scatter(self, store: ti.template(), p, t, step, option: ti.template()):

@@ -76,6 +76,7 @@ class Model:
         return (MirroredSolver if self.section.half else Solver)(
             self.particles, self.grid, self.shape, self.law, self.walls, control, averaging=self.averaging,
             surroundings=Surroundings(self.section.geometry), surfaces=self.surfaces,
+            friction_delay_s=0.0,  # what that is against, sand and the noise control's drag damp in a silo
             simd=None if self.scene.machine.lanes else False,
             **self.scene.method.solver_options(),
         )  # fmt: skip

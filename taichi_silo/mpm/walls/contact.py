@@ -30,12 +30,17 @@ class Coulomb:
     def touch(self, relative, normal):
         """Admissible relative velocity."""
         along = relative[0] * normal[0] + relative[1] * normal[1]
+        return self.slow(relative, normal, along, self.coefficient * ti.max(along, 0.0))
+
+    @ti.func
+    def slow(self, relative, normal, along, friction):
+        """Admissible relative velocity if `along` approaches and the tangential one falls by at most `friction`."""
         approach = ti.max(along, 0.0)
         x, y = relative[0] - approach * normal[0], relative[1] - approach * normal[1]
         if ti.static(self.coefficient > 0.0):
             sliding_x, sliding_y = relative[0] - along * normal[0], relative[1] - along * normal[1]
             speed = ti.sqrt(sliding_x * sliding_x + sliding_y * sliding_y) + 1e-300
-            loss = ti.min(self.coefficient * approach / speed, 1.0)
+            loss = ti.min(friction / speed, 1.0)
             x, y = x - loss * sliding_x, y - loss * sliding_y
         return x, y
 

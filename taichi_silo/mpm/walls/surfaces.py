@@ -186,8 +186,8 @@ class Surfaces:
         self.seen[k, 0], self.seen[k, 1], self.seen[k, 2] = mass, x, y
 
     @ti.func
-    def press_row(self, j, dt):
-        """New tractions of the stations of row j."""
+    def press_row(self, friction: ti.template(), j, dt):
+        """New tractions of the stations of row j, with friction of `walls.friction`."""
         h = self.grid.cell_size
         for q in range(self.row[j], self.row[j + 1]):
             first = self.patch[q]
@@ -215,7 +215,8 @@ class Surfaces:
                     elif p < 0.0:
                         gap = -p * dt / stiff
                         p = 0.0
-                    tau = ti.max(-mu * p, ti.min(mu * p, tau))
+                    most = friction.of_station(q, mu * p, along, dt)
+                    tau = ti.max(-most, ti.min(most, tau))
             else:
                 gap = 0.0
             self.traction[q, 0], self.traction[q, 1], self.traction[q, 2] = p, tau, gap
