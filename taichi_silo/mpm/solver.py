@@ -234,8 +234,8 @@ class Solver:
     def _integrate(self, store: ti.template(), i, j, step, what: ti.template()):
         """Equation of motion of a node, noise control, walls."""
         integrate_node(
-            store, self.grid, self.walls, self.surfaces, self.friction, self.control, self.impulses, self.down, i, j, step,
-            what == "last",
+            store, self.grid, self.walls, self.surfaces, self.friction, self.control, self.impulses,
+            self.down, i, j, step, what == "last",
         )  # fmt: skip
 
     @ti.func

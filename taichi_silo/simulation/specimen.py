@@ -96,7 +96,8 @@ class Specimen:
             self.particles, grid, shape, law, found, control or NoiseControl(),
             averaging=NonLocal(kernel, self.particles, spacing, rigid_planes=rigid, alike_along_x=periodic)
             if kernel else None,
-            surroundings=Surroundings(geometry, ambient_pressure), friction_delay_s=0.0, **self.options.solver_options(),
+            surroundings=Surroundings(geometry, ambient_pressure), friction_delay_s=0.0,
+            **self.options.solver_options(),
         )  # fmt: skip
         self.time = self.travel = 0.0
         self.steps = 0

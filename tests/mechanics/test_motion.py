@@ -73,9 +73,9 @@ class TestBlockOnAnIncline:
     """An elastic block without damping, 0.5 m x 0.2 m, placed with the stress that it has when it slides."""
 
     def slide(self, slope_deg, friction_angle_deg, steps=1500):
-        """Acceleration down the slope over g, velocity [m/s], the wall's tangential over its normal impulse, in the end.
+        """Acceleration down the slope over g, last velocity [m/s], the wall's tangential impulse over its normal one.
 
-        That is, in the second half of the steps.
+        In the second half of the steps.
         """
         slope, mu = math.radians(slope_deg), math.tan(math.radians(friction_angle_deg))
         law, cell, density = Elastic(2e6, 0.2), 0.05, 1500.0
