@@ -68,6 +68,10 @@ class Wall(Protocol):
     def name(self) -> str:
         """As it is called in results."""
 
+    @property
+    def motion(self) -> tuple[float, float]:
+        """Its velocity along x and y, as multiples of the plate velocity of the step."""
+
 
 class Kernel(Protocol):
     """A weight of neighbours (see `nonlocal_average`)."""

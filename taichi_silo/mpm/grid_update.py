@@ -9,9 +9,18 @@ import taichi as ti
 
 
 @ti.func
+def velocity_of_wall(wall: ti.template(), step, i, j):
+    """Of a wall at node (i, j), (x, y) [m/s]."""
+    x, y = step.plate_velocity * wall.motion[0], step.plate_velocity * wall.motion[1]
+    if ti.static(getattr(wall, "fade", 0.0) > 0.0):
+        y += step.plate_velocity * wall.followed(j)
+    return x, y
+
+
+@ti.func
 def held(wall: ti.template(), step, i, j, x, y):
     """The velocity (x, y) [m/s] of node (i, j) that its contact with a wall admits."""
-    base_x, base_y = step.plate_velocity * wall.motion[0], step.plate_velocity * wall.motion[1]
+    base_x, base_y = velocity_of_wall(wall, step, i, j)
     free_x, free_y = wall.contact.touch((x - base_x, y - base_y), wall.normal(i, j))
     return base_x + free_x, base_y + free_y
 
@@ -21,7 +30,7 @@ def held_by_delayed_friction(
     wall: ti.template(), number: ti.template(), friction: ti.template(), step, i, j, k, m, x, y
 ):  # fmt: skip
     """As `held`, by wall `number`, whose friction on node k of mass m follows the normal force with a delay."""
-    base_x, base_y = step.plate_velocity * wall.motion[0], step.plate_velocity * wall.motion[1]
+    base_x, base_y = velocity_of_wall(wall, step, i, j)
     relative, normal = (x - base_x, y - base_y), wall.normal(i, j)
     along, sliding = (
         relative[0] * normal[0] + relative[1] * normal[1],

@@ -1,4 +1,4 @@
-"""The sand that has left: points that have passed the exit are taken out, and their mass is counted."""
+"""The sand that has left: what has passed the opening's plane is counted, and soon after taken out."""
 
 from dataclasses import dataclass, field
 
@@ -9,33 +9,48 @@ from taichi_silo.mpm.particles import Particles
 
 @dataclass
 class Discharge:
-    """Takes out the points below a height, and counts what has left; per metre run of the computed part.
+    """Counts what has passed an opening at the height 0 of the grid; per metre run of the computed part.
+
+    A point counts with the share of its height that is below the plane, and is taken out when it has passed the exit,
+    where it touches no node that sand above the plane can feel.
 
     Attributes
     ----------
     particles : the points.
-    exit_m : height in the frame of the grid below which a point has left [m].
-    mass : that has left [kg/m].
-    momentum : that left with it (2,) [N s/m].
-    points : number of points that have left.
+    exit_m : height in the frame of the grid below which a point is taken out [m].
+    opening_m : its edges, in the frame of the grid [m].
+    spacing_m : height of a point [m].
+    mass : that was taken out [kg/m].
+    momentum : that went with it (2,) [N s/m].
+    points : number of points that were taken out.
+    passing : mass that has passed the plane and is still there [kg/m].
 
     """
 
     particles: Particles
     exit_m: float
+    opening_m: tuple[float, float]
+    spacing_m: float
     mass: float = 0.0
     momentum: np.ndarray = field(default_factory=lambda: np.zeros(2))
     points: int = 0
+    passing: float = 0.0
 
     def take_out(self) -> np.ndarray | None:
-        """Take out the points that have passed the exit since the last time.
+        """Count what has passed the plane, and take out the points that have passed the exit, since the last time.
 
         Returns
         -------
         Which of the points have stayed (n,), None if all have.
 
         """
-        height = self.particles.fields["position"].to_numpy()[: self.particles.active[None], 1]
+        x, height = self.particles.fields["position"].to_numpy()[: self.particles.active[None]].T
+        (left, right), d = self.opening_m, self.spacing_m
+        partly = (x > left - d) & (x < right + d) & (height < 0.5 * d) & (height >= self.exit_m)
+        self.passing = 0.0
+        if partly.any():
+            masses = self.particles.fields["mass"].to_numpy()[: len(height)][partly]
+            self.passing = float(masses @ np.minimum(0.5 - height[partly] / d, 1.0))
         gone = height < self.exit_m
         if not gone.any():
             return None
@@ -48,4 +63,4 @@ class Discharge:
 
     def state(self) -> dict:
         """What has left, for `dataclasses.replace` to go on from."""
-        return {"mass": self.mass, "momentum": self.momentum, "points": self.points}
+        return {"mass": self.mass, "momentum": self.momentum, "points": self.points, "passing": self.passing}

@@ -1,6 +1,7 @@
 """From a scene to the model of its silo: points, grid and walls in the frame of the grid."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from taichi_silo.mpm.nonlocal_average import NonLocal, Weight
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
-from taichi_silo.mpm.walls import Coulomb, Frictionless, Gate, NoSlip, OpenFloor, PlaneWall, Surface
+from taichi_silo.mpm.walls import Coulomb, Edges, Frictionless, Gate, NoSlip, OpenFloor, PlaneWall, Surface
 from taichi_silo.scene import polygons
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow
@@ -22,6 +23,8 @@ from taichi_silo.simulation.section import Section
 from taichi_silo.simulation.wall_forces import WallForces
 
 HEADROOM = 0.1  # of the fill height, free above it; more where sand hangs on a very rough wall while the grid sinks
+
+FADE = 0.05  # of the width: height of a very rough wall over which the velocity goes from the sinking bottom's to zero
 
 
 def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
@@ -58,7 +61,7 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
         about_averaging=about_averaging,
         walls=walls,
         surfaces=surfaces,
-        wall_forces=WallForces(section, len(walls), tuple(surface.name for surface in surfaces)),
+        wall_forces=WallForces(section, paces(walls, grid), tuple(surface.name for surface in surfaces)),
     )
 
 
@@ -148,7 +151,7 @@ def side_contact(scene: Scene, friction_angle_deg: float | None = None) -> Coulo
 
 
 def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
-    """Left, right, bottom; or left, right, floor (empty above an open hopper) and gate."""
+    """Left, right, bottom; or left, right, and floor, edges (both empty above an open hopper) and gate."""
     silo, h, side = scene.silo, scene.grid.cell_size_m, side_contact(scene)
     low = tuple(MARGIN + math.ceil(foot / h - 1e-9) if foot else 0 for foot in silo.feet_m)
     left, right = grid.node_along(0.0), grid.node_along(section.width)
@@ -160,9 +163,21 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
     plate = Coulomb(scene.walls.bottom_friction_angle_deg)
     floor = grid.node_along(0.0)
     if silo.floor_is_outlet:
-        return (*sides, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0)))
+        fade = max(1.0, FADE * silo.width_m / h)
+        fading = [replace(wall, fade=fade) if isinstance(wall.contact, NoSlip) else wall for wall in sides]
+        return (*fading, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0)))
     first, last = _edges(scene, section, grid)
-    return (*sides, OpenFloor(floor, first, last, plate), Gate(floor, first, last, plate))
+    return (*sides, *(part(floor, first, last, plate) for part in (OpenFloor, Edges, Gate)))
+
+
+def paces(walls: tuple[Wall, ...], grid: Grid) -> np.ndarray:
+    """Vertical velocity of the walls (walls, slots), as multiples of the speed at which the sand is let out."""
+    slots = max(grid.columns, grid.rows)
+    found = np.repeat([[wall.motion[1]] for wall in walls], slots, axis=1)
+    for number, wall in enumerate(walls):
+        if isinstance(wall, PlaneWall) and wall.fade:
+            found[number] = [wall.followed(j) for j in range(slots)]
+    return found
 
 
 def _edges(scene: Scene, section: Section, grid: Grid) -> tuple[int, int]:

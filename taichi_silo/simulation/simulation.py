@@ -53,7 +53,8 @@ class Simulation:
         self.warnings, self.alarms = known_limits.of_method(scene), Alarms()
         self.discharge = None
         if not scene.silo.floor_is_outlet:
-            self.discharge = Discharge(model.particles, -EXIT * scene.grid.cell_size_m)
+            left, right = (edge - model.section.shift for edge in scene.silo.outlet_m)
+            self.discharge = Discharge(model.particles, -EXIT * scene.grid.cell_size_m, (left, right), model.spacing)
         self.identity = np.arange(model.particles.count)
         self.sums: SimpleNamespace | None = None  # over the points at the last record,
         self.sums_revision: int | None = None  # and which revision of the points that was
@@ -185,8 +186,8 @@ class Simulation:
         self.identity = np.concatenate([self.identity[: len(there["mass"])], chosen])
 
     def _let_go(self) -> None:
-        """Take out what has passed the exit."""
-        kept = self.discharge.take_out() if self.discharge else None
+        """Count what has passed the opening, and take out what has passed the exit."""
+        kept = self.discharge.take_out() if self.discharge and self.clock.stage == "flow" else None
         if kept is not None:
             self.identity = self.identity[kept]
             self.clock.left_at = self.clock.time
@@ -201,9 +202,15 @@ class Simulation:
         return self._held[1]
 
     @property
+    def above_opening(self) -> float:
+        """Mass of the sand that has not passed the opening's plane [kg/m]."""
+        passing = self.model.section.factor * self.discharge.passing if self.discharge else 0.0
+        return self.held_mass - passing
+
+    @property
     def discharged(self) -> float:
-        """Mass of the sand that has left since the start [kg/m]."""
-        return self.model.section.factor * self.discharge.mass if self.discharge else 0.0
+        """Mass of the sand that has passed the opening's plane since the start [kg/m]."""
+        return self.model.section.factor * (self.discharge.mass + self.discharge.passing) if self.discharge else 0.0
 
     # --- state ----------------------------------------------------------------------------------------------------
 

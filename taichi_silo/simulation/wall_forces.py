@@ -24,21 +24,27 @@ def normal_and_shear(wall: str, force: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return {"left": (x, y), "right": (-x, y), "bottom": (y, x)}[wall]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WallForces:
     """Turns the impulses that a solver has booked for its walls into the forces of the walls of the whole silo.
 
     Attributes
     ----------
     section : the part of the silo that the solver computes.
-    on_grid : how many of the solver's walls lie on grid lines: left, right, and the bottom or floor and gate.
+    paces : vertical velocity of the solver's walls on grid lines (walls, slots), as multiples of the speed at which the
+        sand is let out: left, right, and the bottom or floor, edges of the opening and gate.
     bodies : names of the walls that do not, hopper walls and inserts, in the solver's order.
 
     """
 
     section: Section
-    on_grid: int
+    paces: np.ndarray
     bodies: tuple[str, ...]
+
+    @property
+    def on_grid(self) -> int:
+        """How many of the solver's walls lie on grid lines."""
+        return len(self.paces)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -62,8 +68,8 @@ class WallForces:
         return columns | {"bodies_N_per_m": bodies}, self._profile(own) if self.section.round else forces
 
     def push(self, impulse: np.ndarray) -> float:
-        """Vertical impulse of what lets the sand out, the bottom or the gate, from impulses as in `read` [N s/m]."""
-        return self.section.factor * float(impulse[self.on_grid - 1, :, 1].sum())
+        """Vertical impulse of the walls that move, each times its pace, from impulses as in `read` [N s/m]."""
+        return self.section.factor * float((impulse[: self.on_grid, :, 1] * self.paces).sum())
 
     def _of_both_sides(self, own: np.ndarray) -> np.ndarray:
         """Forces of the walls of the whole silo, from those of the computed part."""

@@ -18,6 +18,14 @@ HALF = Section(width=0.1, shift=0.0, half=True, round=False, columns=COLUMNS)
 ROUND = Section(width=0.1, shift=0.1, half=False, round=True, columns=COLUMNS)
 
 
+def paces(*walls):
+    """Of walls that move at the same pace everywhere (walls, SLOTS)."""
+    return np.repeat(np.array(walls)[:, None], SLOTS, axis=1)
+
+
+SINKING = paces(0.0, 0.0, 1.0)  # left, right, bottom
+
+
 def impulses(**walls) -> np.ndarray:
     """Of the solver's walls in their order: (x, y) at two slots that differ."""
     found = np.zeros((len(walls), SLOTS, 2))
@@ -34,7 +42,7 @@ def carried(forces) -> float:
 
 def test_walls_press_on_the_sand_and_bottom_and_walls_together_carry_its_weight():
     impulse = impulses(left=(2.0, 0.5), right=(-1.0, 0.75), bottom=(0.125, 3.0), insert_1=(0.0, 4.0))
-    forces, profile = WallForces(WHOLE, 3, ("insert_1",)).read(impulse, duration=0.5)
+    forces, profile = WallForces(WHOLE, SINKING, ("insert_1",)).read(impulse, duration=0.5)
     assert forces == {
         "bottom_force_N_per_m": 6.0,
         "left_normal_N_per_m": 4.0,
@@ -47,18 +55,20 @@ def test_walls_press_on_the_sand_and_bottom_and_walls_together_carry_its_weight(
     assert (profile == impulse / 0.5).all()
 
 
-def test_floor_and_gate_are_one_bottom_and_only_the_gate_works():
-    impulse = impulses(left=(1.0, 0.0), right=(-1.0, 0.0), floor=(0.0, 2.0), gate=(0.0, 3.0), insert_1=(0.0, 1.0))
-    walls = WallForces(WHOLE, 4, ("insert_1",))
+def test_floor_edges_and_gate_are_one_bottom_and_only_what_moves_works():
+    impulse = impulses(
+        left=(1.0, 0.0), right=(-1.0, 0.0), floor=(0.0, 2.0), edges=(0.0, 1.0), gate=(0.0, 3.0), insert_1=(0.0, 1.0)
+    )
+    walls = WallForces(WHOLE, paces(0.0, 0.0, 0.0, 0.5, 1.0), ("insert_1",))
     forces, profile = walls.read(impulse, duration=1.0)
     assert walls.names == ("left", "right", "bottom", "insert_1") and len(profile) == 4
-    assert forces["bottom_force_N_per_m"] == 5.0 and forces["bodies_N_per_m"] == {"insert_1": [0.0, 1.0]}
-    assert walls.push(impulse) == 3.0
+    assert forces["bottom_force_N_per_m"] == 6.0 and forces["bodies_N_per_m"] == {"insert_1": [0.0, 1.0]}
+    assert walls.push(impulse) == 3.5
 
 
 def test_a_half_and_its_image_have_the_forces_of_the_whole():
     impulse = impulses(left=(2.0, 0.5), axis=(-7.0, 0.0), bottom=(0.25, 3.0))
-    forces, profile = WallForces(HALF, 3, ()).read(impulse, duration=1.0)
+    forces, profile = WallForces(HALF, SINKING, ()).read(impulse, duration=1.0)
     assert forces["left_normal_N_per_m"] == forces["right_normal_N_per_m"] == 2.0
     assert forces["left_shear_N_per_m"] == forces["right_shear_N_per_m"] == 0.5
     assert carried(forces) == 2.0 * (0.5 + 3.0)
@@ -67,7 +77,7 @@ def test_a_half_and_its_image_have_the_forces_of_the_whole():
 
 def test_a_metre_of_girth_on_either_side_carries_the_weight_of_a_round_silo():
     impulse = impulses(axis=(0.0, 0.0), right=(-2.0, 0.5), bottom=(0.25, 3.0))  # per radian
-    forces, profile = WallForces(ROUND, 3, ()).read(impulse, duration=1.0)
+    forces, profile = WallForces(ROUND, SINKING, ()).read(impulse, duration=1.0)
     assert forces["left_normal_N_per_m"] == forces["right_normal_N_per_m"] == pytest.approx(2.0 / 0.1)
     assert carried(forces) == pytest.approx(2.0 / 0.1 * (0.5 + 3.0))
     assert profile[LEFT, :, 0] == pytest.approx(-profile[RIGHT, :, 0])

@@ -1,7 +1,9 @@
 """A flat floor with an opening, and the gate that closes it.
 
-Both hold the nodes on the floor's line and below it. The two nodes at the edges belong to the floor on its line and to
-the gate below, so that what has passed the opening touches the floor no more.
+Both hold the nodes on the floor's line and below it. Of what the node at an edge stands for, half lies on the floor and
+half in the opening: it sinks half as fast as the gate, so that what passes is the opening's width times the way of the
+gate, and above an open gate it is free. The nodes below it belong to the gate, so that what has passed touches the
+floor no more.
 """
 
 from dataclasses import dataclass
@@ -49,9 +51,20 @@ class OpenFloor(FloorRow):
     @ti.func
     def holds(self, i, j):
         """Whether node (i, j) lies on the floor, or inside it."""
-        return (j == self.row and (i <= self.first or i >= self.last)) or (
-            j < self.row and (i < self.first or i > self.last)
-        )
+        return j <= self.row and (i < self.first or i > self.last)
+
+
+@dataclass(frozen=True)
+class Edges(FloorRow):
+    """The nodes at the edges of the opening."""
+
+    name: str = "edges"
+    motion: tuple[float, float] = (0.0, 0.5)
+
+    @ti.func
+    def holds(self, i, j):
+        """Whether node (i, j) is one of them."""
+        return j == self.row and (i == self.first or i == self.last)
 
 
 @dataclass(frozen=True)

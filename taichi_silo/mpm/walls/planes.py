@@ -21,6 +21,8 @@ class PlaneWall:
     contact : how it acts.
     motion : its velocity as a multiple, along x and y, of the plate velocity of the step; (0, 0) stands still.
     lowest : of a wall at constant x, the row of nodes at which it begins (above a hopper).
+    fade : of a wall at constant x, number of cells above a bottom that moves, over which its nodes move less and less
+        with that (see `followed`).
 
     """
 
@@ -31,6 +33,7 @@ class PlaneWall:
     contact: Coulomb | NoSlip | Frictionless | RoughFree
     motion: tuple[float, float] = (0.0, 0.0)
     lowest: int = 0
+    fade: float = 0.0
 
     def plane(self, grid: Grid) -> tuple[int, int, float]:
         """Axis, side and coordinate [m] (Python scope)."""
@@ -45,6 +48,16 @@ class PlaneWall:
         if ti.static(self.lowest > 0):
             held = held and j >= self.lowest
         return held
+
+    @ti.pyfunc
+    def followed(self, j):
+        """Share of the bottom's velocity that nodes of row j have, beside what `motion` says.
+
+        Where a bottom sinks along a wall to which sand sticks, the velocity would jump within a cell. It falls smoothly
+        from that of the bottom to that of the wall instead.
+        """
+        s = ti.max(0.0, 1.0 - ti.max(0.0, float(j) - MARGIN) / self.fade)
+        return s * s * (3.0 - 2.0 * s)
 
     @ti.func
     def slot(self, i, j):

@@ -166,11 +166,11 @@ class Summary(Observer):
     def _ledger(self) -> dict:
         """What has left, and whether the books close."""
         simulation = self.simulation
-        gone, first = simulation.discharged, simulation.model.mass
+        gone, left, first = simulation.discharged, simulation.above_opening, simulation.model.mass
         return {
             "discharged_kg_per_m": gone,
-            "left_in_silo_kg_per_m": simulation.held_mass,
-            "error_over_first_mass": abs(gone + simulation.held_mass - first) / first,
+            "left_in_silo_kg_per_m": left,
+            "error_over_first_mass": abs(gone + left - first) / first,
         }
 
     def _forces(self, records: pd.DataFrame) -> dict:
