@@ -14,8 +14,8 @@ subtracts a share of what four passes of 1 - P leave,
 
 where gamma_p is the path length of the point's strain since the filter's last turn. Nothing happens to sand at rest or
 to a body that only moves, and the error is of eighth order in the cell size. What P does not know at all fades as
-exp(-gamma / STRAIN) whatever the turns; of what it half knows many turns within a strain take more than one, which is
-why turns follow each other every STRAIN or so (`TURN`), and the time step changes nothing but where they fall.
+exp(-gamma / STRAIN) whatever the turns; what it half knows fades the more, the more turns share a strain, so turns
+follow each other by the way of the points (`TURN`), whatever the time step.
 """
 
 import taichi as ti
@@ -30,9 +30,10 @@ from taichi_silo.mpm.shapes.ugimp import UniformGimp
 
 PASSES = 4
 STRAIN = 3e-4  # over which a pattern falls to 1 / e
-TURN = 4e-3  # of a cell: way of the fastest point between two turns of the filter
-MOST_STEPS = 200  # between them
-LEAST_SPREAD = 1e-3  # of centroids around a point [cells squared], below which they show no slope
+TURN = 3e-3  # of a cell: way of the fastest point between two turns of the filter
+MOST_STEPS = 2000  # between them
+FINITE = 1e30  # a larger stress [Pa] is none
+LEAST_SPREAD = 0.03  # of centroids around a point along an axis [cells], below which they show no slope along it
 
 
 @ti.data_oriented
@@ -53,6 +54,8 @@ class PatchFilter:
         self.particles, self.grid, self.law, self.mirrored = particles, grid, law, mirrored
         self.weights = UniformGimp(0.5)
         self.path = ti.field(real, shape=particles.count)  # of the strain at the last turn
+        self.revision, self.way, self.steps = -1, 0.0, 0  # of the points; way [cells] and steps since the last turn
+        self.weight = ti.field(real, shape=particles.count)  # volume, 0 where a stress is not finite
         self.residual = ti.Vector.field(4, real, shape=particles.count)
         self.volume = ti.Vector.field(3, real, shape=grid.nodes)  # and its moments about the node [cells]
         self.sums = ti.Vector.field(4, real, shape=grid.nodes)  # volume times residual, then its mean
@@ -62,23 +65,46 @@ class PatchFilter:
         """None: it acts between launches."""
         return []
 
-    def steps_within(self, speed_m_per_s: float, dt: float) -> int:
-        """How many steps at this speed lie between two turns."""
-        return int(min(MOST_STEPS, max(1.0, TURN * self.grid.cell_size / (speed_m_per_s * dt + 1e-300))))
+    def begin(self) -> None:
+        """Count the strain of each point from now on, if the points are others than before."""
+        if self.revision != self.particles.revision:
+            self.revision, self.way, self.steps = self.particles.revision, 0.0, 0
+            self._note_paths()
 
-    @ti.kernel
-    def begin(self):
-        """Count the strain of each point from now on."""
-        for p in range(self.particles.active[None]):
-            self.path[p] = self.particles.path[p]
+    def steps_within(self, speed_m_per_s: float, dt: float) -> int:
+        """How many steps at this speed may pass before the next turn."""
+        way = speed_m_per_s * dt / self.grid.cell_size
+        return int(max(1.0, min(MOST_STEPS - self.steps, (TURN - self.way) / (way + 1e-300))))
+
+    def passed(self, steps: int, speed_m_per_s: float, dt: float) -> None:
+        """So many steps have passed; a turn if it is due."""
+        self.steps += steps
+        self.way += steps * speed_m_per_s * dt / self.grid.cell_size
+        if self.steps_within(speed_m_per_s, dt) == 1:
+            self.turn()
+            self.way, self.steps = 0.0, 0
+
+    def state(self) -> dict:
+        """What outlives a launch, for a checkpoint."""
+        return {"path": self.path.to_numpy(), "way": self.way, "steps": self.steps}
+
+    def restore(self, state: dict) -> None:
+        """Go on from the points that are there now, and from what `state` gave."""
+        self.path.from_numpy(state["path"])
+        self.revision, self.way, self.steps = self.particles.revision, state["way"], state["steps"]
 
     def turn(self) -> None:
-        """Subtract what is to fade."""
+        """Let fade what is to fade."""
         self._begin_turn()
         for _ in range(PASSES):
             self._collect()
             self._subtract_patch_means()
         self._fade()
+
+    @ti.kernel
+    def _note_paths(self):
+        for p in range(self.particles.active[None]):
+            self.path[p] = self.particles.path[p]
 
     @ti.func
     def _patch(self, p):
@@ -114,17 +140,17 @@ class PatchFilter:
         for p in range(self.particles.active[None]):
             i, sx, _gx, j, sy, _gy = self._patch(p)
             x, y = self._cells(p)
+            largest = ti.abs(self.particles.stress[p]).max()
+            self.weight[p] = ti.select(largest < FINITE, self.particles.volume[p], 0.0)
             for b in ti.static(range(3)):
                 for a in ti.static(range(3)):
                     moment = ti.Vector([1.0, x - (i + a - MARGIN), y - (j + b - MARGIN)])
-                    self._add(
-                        self.volume, self.grid.node(i + a, j + b), self.particles.volume[p] * sx[a] * sy[b] * moment
-                    )
+                    self._add(self.volume, self.grid.node(i + a, j + b), self.weight[p] * sx[a] * sy[b] * moment)
         if ti.static(self.mirrored):
             for j in range(self.grid.rows):
                 self._fold(self.volume, j, ti.Vector([1.0, -1.0, 1.0]))
         for p in range(self.particles.active[None]):
-            self.residual[p] = self.particles.stress[p]
+            self.residual[p] = ti.select(self.weight[p] > 0.0, self.particles.stress[p], 0.0 * self.residual[p])
             self._set_weights_back(p)
 
     @ti.func
@@ -147,8 +173,12 @@ class PatchFilter:
                     offset += sx[a] * sy[b] * centroid
                     spread += ti.Vector([gx[a] * sy[b], sx[a] * gy[b]]).outer_product(centroid)
         to_point = ti.Vector([0.0, 0.0])
-        if spread.determinant() > LEAST_SPREAD:
+        if spread.determinant() > LEAST_SPREAD * LEAST_SPREAD:
             to_point = spread.inverse().transpose() @ offset
+        else:  # a strand
+            for c in ti.static(range(2)):
+                if spread[c, c] > LEAST_SPREAD:
+                    to_point[c] = offset[c] / spread[c, c]
         for b in ti.static(range(3)):
             for a in ti.static(range(3)):
                 slope = to_point[0] * gx[a] * sy[b] + to_point[1] * sx[a] * gy[b]
@@ -165,7 +195,7 @@ class PatchFilter:
         ti.loop_config(serialize=ti.static(runtime.is_cpu()))
         for p in range(self.particles.active[None]):
             i, sx, _gx, j, sy, _gy = self._patch(p)
-            given = self.particles.volume[p] * self.residual[p]
+            given = self.weight[p] * self.residual[p]
             for b in ti.static(range(3)):
                 for a in ti.static(range(3)):
                     self._add(self.sums, self.grid.node(i + a, j + b), sx[a] * sy[b] * given)
@@ -198,7 +228,8 @@ class PatchFilter:
         for p in range(self.particles.active[None]):
             share = 1.0 - ti.exp((self.path[p] - self.particles.path[p]) / STRAIN)
             self.path[p] = self.particles.path[p]
-            s = self.particles.stress[p] - share * self.residual[p]
-            e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
-            s0, s1, s2, s3 = self.law.admissible((s[0], s[1], s[2], s[3]), e)
-            self.particles.stress[p] = ti.Vector([s0, s1, s2, s3])
+            if self.weight[p] > 0.0:
+                s = self.particles.stress[p] - share * self.residual[p]
+                e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
+                s0, s1, s2, s3 = self.law.admissible((s[0], s[1], s[2], s[3]), e)
+                self.particles.stress[p] = ti.Vector([s0, s1, s2, s3])

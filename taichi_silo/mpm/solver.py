@@ -195,7 +195,7 @@ class Solver:
                 chunk = min(chunk, self.filter.steps_within(fastest, dt))
             self.executor.run(done, chunk, steps, dt, *schedule)
             if self.filter.BETWEEN_LAUNCHES:
-                self.filter.turn()
+                self.filter.passed(chunk, fastest, dt)
             done += chunk
 
     def run_for(

@@ -12,7 +12,7 @@ from taichi_silo.scene.symmetry import half_model
 
 GIB = 2.0**30
 OF_PROCESS = 0.28 * GIB  # Python, Taichi and the compiled step
-OF_POINT = 850.0  # bytes, of the fields of a point and its node, and of copies: 600 to 900 and the patch filter's 168
+OF_POINT = 860.0  # bytes, of the fields of a point and its node, and of copies: 600 to 900 and the patch filter's 176
 OF_PAIR = 12.0  # of a non-local average
 GROUPS = (  # where Linux keeps the limit of a control group, such as that of a container or of a batch job
     Path("/sys/fs/cgroup/memory.max"),

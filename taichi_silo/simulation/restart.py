@@ -1,8 +1,8 @@
 """The state of a solver between two intervals: what outlives an interval beside the points.
 
 That is the nodes' last velocities and their memory, the tractions of surfaces, the order of the points on the vector
-unit, and of a non-local average the state that its rows were built from, of which they are built once more. All other
-fields are made anew in each step.
+unit, what a filter has seen of the strain, and of a non-local average the state that its rows were built from, of which
+they are built once more. All other fields are made anew in each step.
 """
 
 import numpy as np
@@ -19,6 +19,8 @@ def state_of(solver: Solver) -> dict:
         kept["surfaces"] = {name: getattr(solver.surfaces, name).to_numpy() for name in ("traction", "seen")}
     if (order := solver.executor.state()) is not None:
         kept["lanes"] = order
+    if solver.filter.BETWEEN_LAUNCHES and solver.filter.revision == solver.particles.revision:
+        kept["filter"] = solver.filter.state()
     if solver.averaging.ACTIVE and solver.averaging.rows.revision == solver.particles.revision:
         kept["rows"] = solver.averaging.rows.origin | {"builds": solver.averaging.rows.builds}
     return kept
@@ -37,5 +39,7 @@ def restore(solver: Solver, kept: dict, points: dict[str, np.ndarray], revision:
         getattr(solver.grid, NODAL[key]).from_numpy(values)
     for name, values in kept.get("surfaces", {}).items():
         getattr(solver.surfaces, name).from_numpy(values)
+    if solver.filter.BETWEEN_LAUNCHES and "filter" in kept:
+        solver.filter.restore(kept["filter"])
     solver.executor.restore(kept.get("lanes"))
     solver.impulses.read_and_reset()
