@@ -12,7 +12,7 @@ def test_every_ordinary_function_is_annotated():
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if not isinstance(node, ast.FunctionDef):
                 continue
-            if any(ast.unparse(one) in ("ti.func", "ti.kernel") for one in node.decorator_list):
+            if any(ast.unparse(one) in ("ti.func", "ti.pyfunc", "ti.kernel") for one in node.decorator_list):
                 continue
             given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
             unsaid = [one.arg for one in given if one.annotation is None and one.arg not in ("self", "cls")]
