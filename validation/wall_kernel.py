@@ -104,15 +104,17 @@ def zone_of_slip_mm(across: pd.DataFrame) -> float:
 
 def draw(across: dict[str, pd.DataFrame], file: Path) -> None:
     """Way downwards and void ratio over x, of both kernels."""
-    figure, axes = new_figure(1, 2, figsize=(9.0, 3.6))
+    figure = new_figure(9.0, 3.6)
+    axes = figure.subplots(1, 2)
     for axis, (name, label) in zip(
-        np.ravel(axes), (("way_mm", "way downwards [mm]"), ("void_ratio", "void ratio [-]")), strict=True
+        axes, (("way_mm", "way downwards [mm]"), ("void_ratio", "void ratio [-]")), strict=True
     ):
         for wall, table in across.items():
             axis.plot(table["x_mm"], table[name], label=f"walls {wall}")
         axis.set_xlabel("x [mm]")
         axis.set_ylabel(label)
-    np.ravel(axes)[0].legend()
+    axes[0].legend()
+    axes[1].axhline(0.6, color="0.7", lw=0.8, zorder=0)
     figure.savefig(file, dpi=150)
 
 

@@ -1,5 +1,6 @@
 """Each alarm is raised by the wrongness that it is for, with time, place, point, cause and remedy; by nothing else."""
 
+import contextlib
 import dataclasses
 import json
 
@@ -331,3 +332,38 @@ def test_the_space_for_sand_is_the_silo_the_opening_and_what_is_above():
 
     assert holds(0.1, 0.1) and holds(0.01, 0.499) and holds(0.1, 0.505) and holds(0.1, -0.05)
     assert not holds(0.02, -0.01) and not holds(0.1, 0.21) and not holds(-0.01, 0.1) and not holds(0.1, -0.2)
+
+
+M = Method(filling_time_s=0.2, longest_settling_s=0.1)
+ADVISED = {  # name of the alarm: what raises it, and the scene as its advice has it
+    "time step, given": (
+        "time step", {"method": M.model_copy(update={"time_step_s": 4e-4})}, "let the time step be chosen",
+        {"method": M},
+    ),
+    "time step, cfl": (
+        "time step", {"method": M.model_copy(update={"cfl": 1.0})}, "let the step be chosen", {"method": M}
+    ),
+    "separation": (
+        "separation", {"flow": Flow(speed_m_per_s=1.0, displacement_m=0.05)}, "a slower bottom lets it follow",
+        {"flow": Flow(speed_m_per_s=0.05, displacement_m=0.05)},
+    ),
+    "void ratio": (
+        "void ratio", {"method": M.model_copy(update={"stress_filter": "smoothing"})}, "the default, patch, does not",
+        {"method": M.model_copy(update={"stress_filter": "patch"})},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ADVISED)
+def test_who_follows_the_advice_of_an_alarm_is_rid_of_it(name, tmp_path):
+    alarm, wrong, advice, right = ADVISED[name]
+    raised = []
+    for number, change in enumerate((wrong, right)):
+        scene = SCENE.model_copy(update={"grid": Mesh(cell_size_m=0.02), "method": M, **change})
+        with contextlib.suppress(RunFailed):
+            run(scene, tmp_path / str(number))
+        summary = json.loads((tmp_path / str(number) / "summary.json").read_text(encoding="utf-8"))
+        raised.append({one["name"]: one["sentence"] for one in summary.get("alarms", [])})
+    assert advice in raised[0][alarm]
+    assert not raised[1]

@@ -61,9 +61,12 @@ class TimeStep(Check):
         over = record.time_step_s / record.stable_step_s
         if not over > limit:
             return None
-        given = self.simulation.scene.method.time_step_s is not None
-        cause = "the time step was given" if given else "the stress has risen faster than the step follows"
-        remedy = "let it be chosen, or give a smaller one" if given else "a slower bottom or a smaller cfl helps"
+        method, stage = self.simulation.scene.method, self.simulation.stage
+        slower = "filling" if stage == "filling" else "outflow"
+        cause, remedy = "the stress has risen faster than the step follows", f"a slower {slower} or a cfl of 0.2 helps"
+        for name, value in (("time step", method.time_step_s), ("cfl", method.cfl)):
+            if value is not None:
+                cause, remedy = f"a {name} was given", f"let the {'step' if name == 'cfl' else name} be chosen"
         return Alarm(
             "time step", True,
             f"the time step of {1e6 * record.time_step_s:.1f} us is above {limit} times the stable one of "
@@ -114,7 +117,7 @@ class Density(Check):
 
     def _compactor(self) -> tuple[str, str]:
         if self.simulation.scene.method.stress_filter == "smoothing":
-            return "the smoothing filter lets sand creep under its weight", "null-space does not"
+            return "the smoothing filter lets sand creep under its weight", "the default, patch, does not"
         return "oscillations have compacted it", "switch the noise control on, or give a smaller cfl"
 
 
