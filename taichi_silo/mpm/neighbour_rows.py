@@ -129,12 +129,12 @@ class NeighbourRows:
 
     def _share_of_sand(self, place: np.ndarray) -> np.ndarray:
         """Share of the kernel around each place that lies on the points' side of all rigid planes."""
-        share = np.ones(len(place))
+        beyond = np.zeros((2, len(place)))  # of planes across each axis: of parallel ones, the shares add up
         for axis, side, coordinate in self.rigid_planes:
             distance = side * (coordinate - place[:, axis])
             near = distance < self.radius
-            share[near] *= [1.0 - self.kernel.beyond(value) for value in distance[near]]
-        return share
+            beyond[axis, near] += [self.kernel.beyond(value) for value in distance[near]]
+        return np.prod(1.0 - beyond, axis=0)
 
     @ti.func
     def mean(self, values: ti.template(), p):

@@ -23,10 +23,11 @@ CASES = [
 ]
 
 
-def curve(test, void_ratio, pressure, strain, through, **sand):
+def curve(test, void_ratio, pressure, strain, through, stress_filter="patch", **sand):
     scene = ElementScene(
-        test=test, sand=Sand(void_ratio=void_ratio, **sand), pressure_Pa=pressure, strain=strain, through=through
-    )
+        test=test, sand=Sand(void_ratio=void_ratio, **sand), pressure_Pa=pressure, strain=strain, through=through,
+        stress_filter=stress_filter,
+    )  # fmt: skip
     return pd.DataFrame(curve_of(scene), columns=COLUMNS)
 
 
@@ -74,6 +75,15 @@ def test_the_law_alone_gives_the_reference_curve(data, name, test, void_ratio, p
     for column in columns:
         found = np.interp(strain[near], ours.strain, ours[f"sigma_{column[3:]}_Pa"]) / 1e3
         assert np.abs(found - exact[column][near]).max() < 1e-3 * size.max()
+
+
+@pytest.mark.parametrize("test", ["plane-strain", "simple-shear"])
+def test_the_patch_filter_leaves_the_curve_of_an_element_test_alone(test):
+    """Stress alike everywhere is a linear field."""
+    found = [curve(test, 0.60, 50e3, 0.1, "mpm", stress_filter=name) for name in ("patch", "none")]
+    size = max(found[1][column].abs().max() for column in COLUMNS if column.startswith("sigma"))
+    for column in COLUMNS[1:5]:
+        assert np.abs(found[0][column] - found[1][column]).max() <= 1e-4 * size
 
 
 def test_intergranular_strain_goes_through_the_method_too():

@@ -194,3 +194,22 @@ def test_sand_at_rest_is_looked_at_again_after_some_hundred_steps():
     average = NonLocal(Gaussian(LENGTH), points_at(scattered()[0]), 0.03 / math.sqrt(600))
     assert average.steps_within(0.0, 1e-6) <= 500
     assert average.steps_within(10.0, 1e-5) == 1
+
+
+def test_walls_that_count_hold_the_shares_of_the_kernel_beyond_them():
+    """Of a field alike everywhere; parallel planes share what is left of it, planes across multiply."""
+    runtime.init()
+    kernel, half = Gaussian(LENGTH), 0.6 * LENGTH
+    spacing = LENGTH / 3.0
+    line = (np.arange(-40, 41)) * spacing
+    x, y = np.meshgrid(line, line)
+    place = np.stack([x.ravel(), y.ravel()], axis=1)
+    middle = np.argmin(np.hypot(*place.T))
+    beyond = kernel.beyond(half)
+    for planes, left in (
+        ([(0, 1, half), (0, -1, -half)], 1.0 - 2.0 * beyond),
+        ([(0, 1, half), (1, -1, -half)], (1.0 - beyond) ** 2),
+    ):
+        mean = Means(NonLocal(kernel, points_at(place), spacing, rigid_planes=planes))
+        mean.average.refresh()
+        assert mean(np.ones(len(place)))[middle] == pytest.approx(left, rel=1e-9)
