@@ -17,6 +17,7 @@ from taichi_silo.utils import atomic_write
 MODES = {
     "crossing": 40, "stretching": 40, "rotation": 100, "null_space": 100, "time_step": 400, "integration": 7,
     "limits": 40, "ratcheting": 400, "walls": 100, "precision": 70, "conservation": 40, "order": 250,
+    "sheared_layer": 300,
 }  # fmt: skip
 
 
