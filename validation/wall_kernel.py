@@ -69,7 +69,7 @@ def found(wall: str, folder: Path) -> dict:
         row[f"angle_{state}_deg"] = summary[state]["wall_friction_angle_deg"]
     dilated = [summary["shear_zones"][side]["thickness_m"] for side in ("left", "right")]
     row["wall_zone_by_void_ratio_mm"] = 1e3 * np.mean([one for one in dilated if one is not None] or [np.nan])
-    row["wall_zone_by_slip_mm"] = zone_of_slip_mm(profiles(folder))
+    row["sheared_from_mm"], row["sheared_to_mm"] = shear_zone_mm(profiles(folder))
     inside = summary["zones_inside"]["zones"]
     row["zones_inside"] = len(inside)
     row["thickness_inside_mm"] = 1e3 * float(np.median([zone["thickness_m"] for zone in inside])) if inside else np.nan
@@ -93,13 +93,13 @@ def profiles(folder: Path) -> pd.DataFrame:
     return pd.DataFrame(rows).groupby(column).mean().reset_index(drop=True)
 
 
-def zone_of_slip_mm(across: pd.DataFrame) -> float:
-    """Distance from the wall within which nine tenths of the way of the core are made up; mean of both sides [mm]."""
+def shear_zone_mm(across: pd.DataFrame) -> tuple[float, float]:
+    """Distances from the left wall between which the shear strain is above half of its greatest [mm]."""
     x, way = across["x_mm"].to_numpy(), across["way_mm"].to_numpy()
-    core = way[len(way) // 2 - 2 : len(way) // 2 + 3].mean()
-    right = x[0] + x[-1]
-    reached = way > 0.9 * core
-    return float(0.5 * (x[reached][0] + right - x[reached][-1]))
+    left = x < 0.5 * (x[0] + x[-1])
+    shear = np.gradient(way[left], x[left])
+    above = x[left][shear > 0.5 * shear.max()]
+    return float(above[0]), float(above[-1])
 
 
 def draw(across: dict[str, pd.DataFrame], file: Path) -> None:

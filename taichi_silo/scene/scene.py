@@ -127,14 +127,20 @@ class Averaging(Options):
     weight: Literal["gaussian", "exponential"] = Field(
         "gaussian", description="weight of neighbours; the paper prints exponential"
     )
-    wall: Literal["ignored", "rigid"] = Field(
-        "ignored",
-        description="very rough straight walls in the mean: left out, or counted as grains that do not strain",
+    wall: Literal["ignored", "rigid"] | None = Field(
+        None,
+        description="very rough straight walls in the mean: left out, or counted as grains that do not strain; rigid "
+        "if absent, ignored with another weight than gaussian",
     )
 
     def length_m(self, sand: Sand) -> float:
         """Characteristic length l_c [m]: as given, or three mean grain diameters."""
         return 3.0 * sand.d50_m if self.characteristic_length_m is None else self.characteristic_length_m
+
+    @property
+    def walls_count(self) -> bool:
+        """Whether walls that sand sticks to count in the mean."""
+        return self.weight == "gaussian" if self.wall is None else self.wall == "rigid"
 
     def check(self, sand: Sand, spacing_m: float, points: int, width_m: float) -> None:
         """Refuse a characteristic length beyond the body, or with more neighbours than memory holds."""

@@ -141,7 +141,7 @@ def averaging_of(
     if kernel is None:
         return None
     planes = [wall.plane(grid) for wall in walls if isinstance(wall, PlaneWall) and isinstance(wall.contact, NoSlip)]
-    return NonLocal(kernel, particles, scene.spacing_m, rigid_planes=planes if scene.averaging.wall == "rigid" else ())
+    return NonLocal(kernel, particles, scene.spacing_m, rigid_planes=planes if scene.averaging.walls_count else ())
 
 
 def side_contact(scene: Scene, friction_angle_deg: float | None = None) -> Coulomb | NoSlip:

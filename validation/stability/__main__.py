@@ -2,8 +2,8 @@
 
 Thirteen failure modes (cell crossing, stretching, shear and rotation, null space, time step, stress integration,
 limits of the law, ratcheting, walls, precision, conservation, order of accuracy, null modes of sheared sand) against
-shapes, transfers, stress updates, filters and noise controls. Source: Krzyzanowski et al. (2020), section 3, which names
-the variants and their errors without measuring them, and what was found on the way.
+shapes, transfers, stress updates, filters and noise controls. Source: Krzyzanowski et al. (2020), section 3, which
+names the variants and their errors without measuring them, and what was found on the way.
 
 Leaves `table.csv` (mode, method, measure, value, unit, bound, holds), `figures/` and `page.html`. Modes that are there
 are kept; `--overwrite` measures them anew.
