@@ -20,6 +20,7 @@ from taichi_silo.studies.sweep.runs import Run
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # as a plain script, too
 from validation.case_figures import plot_cases  # noqa: E402
+from validation.case_tables import write_tables  # noqa: E402
 
 LAW = "gudehus-bauer"  # the paper's
 
@@ -36,7 +37,7 @@ def four_cases(
     output: Annotated[Path, Option(help="folder; one subfolder a case")] = Path("outputs/four_cases"),
     film: Annotated[bool, Option(help="draw the films")] = True,
 ):
-    """Run the paper's four cases and draw them side by side."""
+    """Run the paper's four cases, and draw and tabulate them side by side."""
     output, runs = output.expanduser(), {}
     for packing, void_ratio in (("dense", dense), ("loose", loose)):
         for walls in ("smooth", "very-rough"):
@@ -50,7 +51,8 @@ def four_cases(
             )
             runs[f"{packing}, {walls.replace('-', ' ')}"] = Run(scene, output / f"{packing}_{walls}", film)
     run_all(runs, output)
-    for file in plot_cases({name: run.folder for name, run in runs.items()}, output / "figures"):
+    folders = {name: run.folder for name, run in runs.items()}
+    for file in (*plot_cases(folders, output / "figures"), *write_tables(folders, output)):
         print(file)
 
 
