@@ -131,21 +131,18 @@ class Grid:
         return 0.0, upwards
 
     @ti.func
-    def recent_velocity(self, step, j, k, mass, present):
-        """What node k of row j, of a mass, remembers of its velocity (x, y) [m/s]: mean momentum over mean mass.
+    def recent_velocity(self, step, j, k, mass):
+        """What node k of row j, of a mass, remembers of its velocity [m/s]: mean momentum over mean mass.
 
         It counts no more than the present mass allows, so that the wild velocity of a node that hardly any sand
-        touched does not outlive that touch; sand that is new there is remembered with its `present` velocity. A node
-        that had no sand remembers the velocity of the frame.
+        touched does not outlive that touch, and sand that lands is braked. A node that had no sand remembers the velocity
+        of the frame.
         """
         if self.memory[k, 2] == 0.0:
             frame = self.velocity_of_frame(step, j)
             self.memory[k, 0], self.memory[k, 1], self.memory[k, 2] = mass * frame[0], mass * frame[1], mass
-        remembered = self.memory[k, 2]
-        per_mass = 1.0 / ti.max(remembered, mass)
-        x = present[0] + (self.memory[k, 0] - remembered * present[0]) * per_mass
-        y = present[1] + (self.memory[k, 1] - remembered * present[1]) * per_mass
-        return x, y
+        per_mass = 1.0 / ti.max(self.memory[k, 2], mass)
+        return self.memory[k, 0] * per_mass, self.memory[k, 1] * per_mass
 
     @ti.func
     def remember(self, k, share, mass, velocity):

@@ -58,7 +58,7 @@ def motion_of_node(
         pressed_x, pressed_y = surfaces.press_on(impulses, k, j, step.dt)
         x, y = x + step.dt / m * pressed_x, y + step.dt / m * pressed_y
     if ti.static(control.drag > 0.0 or control.filling_drag > 0.0):
-        recent_x, recent_y = grid.recent_velocity(step, j, k, m, old)
+        recent_x, recent_y = grid.recent_velocity(step, j, k, m)
         braking_x = step.dt * (control.drag * (recent_x - old[0]) - step.filling_drag * old[0])
         braking_y = step.dt * (control.drag * (recent_y - old[1]) - step.filling_drag * old[1])
         x, y = x + braking_x, y + braking_y

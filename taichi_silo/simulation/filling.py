@@ -107,7 +107,7 @@ def rain(model: Model, done: int) -> Iterator[Interval]:
     yield from _portions(model, done, row, pause, model.scene.filling.drop_m)
     falling = max(done - len(rows) * _intervals_of(model, pause), 0)  # since the last row began to
     for _ in range(falling, math.ceil(fall_time(model.scene) / model.interval)):
-        yield Interval(model.interval, growth=LANDING)
+        yield Interval(model.interval, growth=LANDING, longer=LONGER)
 
 
 def _intervals_of(model: Model, pause: float) -> int:
@@ -125,5 +125,4 @@ def _portions(model: Model, done: int, portion: np.ndarray, pause: float, above:
         if number == 0:
             growth = min(growth, first_step(model, 2.0 * thick))
         poured = np.flatnonzero(portion == number // parts) if number % parts == 0 else None
-        longer = math.inf if above else LONGER
-        yield Interval(pause / parts, growth=growth, longer=longer, poured=poured, above=above)
+        yield Interval(pause / parts, growth=growth, longer=LONGER, poured=poured, above=above)
