@@ -135,8 +135,8 @@ class Grid:
         """What node k of row j, of a mass, remembers of its velocity [m/s]: mean momentum over mean mass.
 
         It counts no more than the present mass allows, so that the wild velocity of a node that hardly any sand
-        touched does not outlive that touch, and sand that lands is braked. A node that had no sand remembers the velocity
-        of the frame.
+        touched does not outlive that touch, and sand that lands is braked. A node that had no sand remembers the
+        velocity of the frame.
         """
         if self.memory[k, 2] == 0.0:
             frame = self.velocity_of_frame(step, j)
