@@ -13,7 +13,7 @@ from taichi_silo.scene.method_options import MethodOptions
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.simulation.discharge import Discharge
 from taichi_silo.simulation.simulation import Simulation
-from validation.stability.bodies import block
+from validation.stability.bodies import block, change
 
 COARSE = {"silo": Silo(width_m=0.1, height_m=0.2), "grid": Mesh(cell_size_m=0.02), "machine": Machine(threads=1)}
 
@@ -121,7 +121,7 @@ def test_what_leaves_is_booked_and_what_stays_goes_on():
     arrays["velocity"][:, 1] = -2.0
     particles.load(arrays)
     whole = arrays["mass"].sum()
-    gone = Discharge(particles, exit_m=0.041)
+    gone = Discharge(particles, exit_m=0.041, opening_m=(0.0, 0.1), spacing_m=0.02)
     kept = gone.take_out()
     left = gone.mass
     assert kept.sum() == 15
@@ -131,6 +131,19 @@ def test_what_leaves_is_booked_and_what_stays_goes_on():
     assert gone.momentum[1] == pytest.approx(-2.0 * left)
     assert (particles.arrays()["position"][:, 1] > 0.041).all()
     assert gone.take_out() is None
+
+
+def test_sand_counts_with_what_of_it_has_passed_the_opening():
+    """Five columns of five points of 20 mm; all sink by 15 mm, and the opening is as wide as three columns."""
+    particles, _ = block(width=0.1, height=0.1, cell=0.02, origin=(0.0, -0.015))
+    each = particles.arrays()["mass"][0]
+    gone = Discharge(particles, exit_m=-0.01, opening_m=(0.04, 0.06), spacing_m=0.02)
+    assert gone.take_out() is None
+    assert gone.passing == pytest.approx(3 * 0.75 * each)  # of the columns beside the edges, too
+    change(particles, position=particles.arrays()["position"] - [0.0, 0.01])
+    assert gone.take_out().sum() == 20
+    assert gone.mass == pytest.approx(5 * each)
+    assert gone.passing == pytest.approx(3 * 0.25 * each)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
