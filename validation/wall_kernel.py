@@ -7,7 +7,6 @@ silo. Cost: about forty minutes on two cores.
 """
 
 import json
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -23,8 +22,6 @@ from taichi_silo.scene.silo import Silo
 from taichi_silo.show.figures.style import new_figure
 from taichi_silo.studies.run_all import run_all
 from taichi_silo.studies.sweep.runs import Run
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # as a plain script, too
 
 WALLS = ("ignored", "rigid")
 BAND = (0.4, 0.6)  # of the height, over which profiles are averaged

@@ -23,6 +23,8 @@ from taichi_silo.mpm.runtime import real
 
 CROSSINGS = 3.0  # of a body by a wave in t*: fewer hold less, more lag behind where it slides
 
+SLOWEST = 1e-6  # wave [m/s]: sand without stiffness has none
+
 
 class AtOnce:
     """Friction that follows the normal force at once."""
@@ -38,6 +40,10 @@ class AtOnce:
     def leave(self, k):
         """Node k has no sand."""
 
+    @ti.func
+    def leave_station(self, q):
+        """Station q has no sand."""
+
 
 @ti.data_oriented
 class Delayed:
@@ -46,8 +52,8 @@ class Delayed:
     ==============  =============  ===========================================================================
     field           shape          meaning
     ==============  =============  ===========================================================================
-    nodal           wall, node, 2  F dt [N s/m] on a node of a grid line's wall; how long it has had sand [s]
-    stations        station, 2     F per area [Pa] of a surface that does not follow the grid; the same time
+    nodal           wall, node, 2  F on a node of a grid line's wall [N/m]; how long it has had sand [s]
+    stations        station, 2     F per area of a surface that does not follow the grid [Pa]; the same time
     time            1              t* [s]
     ==============  =============  ===========================================================================
 
@@ -78,26 +84,27 @@ class Delayed:
     def know_waves(self, speed_m_per_s: float) -> None:
         """Waves in the sand have this speed."""
         if self.crossed:
-            self.time[0] = self.crossed / speed_m_per_s
+            self.time[0] = self.crossed / max(speed_m_per_s, SLOWEST)
 
     @ti.func
-    def share(self, age, sliding, dt):
-        """How much of the way from F to mu N friction goes in a step, where contact has this age [s]."""
-        return ti.min(1.0, dt / ti.min(self.time[0], age + dt) + ti.abs(sliding) * dt / self.grid.cell_size)
+    def after(self, before, age, most, sliding, dt):
+        """F after a step, where contact has this age [s] and mu N is `most`."""
+        share = ti.min(1.0, dt / ti.min(self.time[0], age + dt) + ti.abs(sliding) * dt / self.grid.cell_size)
+        return before + share * (most - before)
 
     @ti.func
     def of_node(self, wall: ti.template(), k, most, sliding, dt):
-        """Largest impulse of friction of a wall on node k [N s/m], mu times the normal one being `most`."""
+        """Largest impulse of friction of a wall on node k in a step [N s/m], mu times the normal one being `most`."""
         before, age = self.nodal[wall, k, 0], self.nodal[wall, k, 1]
-        now = before + self.share(age, sliding, dt) * (most - before)
+        now = self.after(before, age, most / dt, sliding, dt)
         self.nodal[wall, k, 0], self.nodal[wall, k, 1] = now, age + dt
-        return now
+        return dt * now
 
     @ti.func
     def of_station(self, q, most, sliding, dt):
         """Largest shear stress of station q of a surface [Pa], mu p being `most`."""
         before, age = self.stations[q, 0], self.stations[q, 1]
-        now = before + self.share(age, sliding, dt) * (most - before)
+        now = self.after(before, age, most, sliding, dt)
         self.stations[q, 0], self.stations[q, 1] = now, age + dt
         return now
 
@@ -106,3 +113,8 @@ class Delayed:
         """Node k has no sand: it forgets."""
         for wall in ti.static(range(self.walls)):
             self.nodal[wall, k, 1] = 0.0
+
+    @ti.func
+    def leave_station(self, q):
+        """Station q has no sand: it forgets."""
+        self.stations[q, 1] = 0.0

@@ -219,5 +219,6 @@ class Surfaces:
                     tau = ti.max(-most, ti.min(most, tau))
             else:
                 gap = 0.0
+                friction.leave_station(q)
             self.traction[q, 0], self.traction[q, 1], self.traction[q, 2] = p, tau, gap
             self.traction[q, 3] = per_m
