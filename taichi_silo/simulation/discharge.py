@@ -24,6 +24,7 @@ class Discharge:
     momentum : that went with it (2,) [N s/m].
     points : number of points that were taken out.
     passing : mass that has passed the plane and is still there [kg/m].
+    noted : how much had passed when it was last noted that sand flows [kg/m].
 
     """
 
@@ -35,6 +36,19 @@ class Discharge:
     momentum: np.ndarray = field(default_factory=lambda: np.zeros(2))
     points: int = 0
     passing: float = 0.0
+    noted: float = 0.0
+
+    @property
+    def passed(self) -> float:
+        """Mass that has passed the plane [kg/m]."""
+        return self.mass + self.passing
+
+    def flows(self, least_kg_per_m: float) -> bool:
+        """Whether as much as this has passed since that was last noted, which is then noted anew."""
+        flowing = self.passed >= self.noted + least_kg_per_m
+        if flowing:
+            self.noted = self.passed
+        return flowing
 
     def take_out(self) -> np.ndarray | None:
         """Count what has passed the plane, and take out the points that have passed the exit, since the last time.
@@ -63,4 +77,5 @@ class Discharge:
 
     def state(self) -> dict:
         """What has left, for `dataclasses.replace` to go on from."""
-        return {"mass": self.mass, "momentum": self.momentum, "points": self.points, "passing": self.passing}
+        names = ("mass", "momentum", "points", "passing", "noted")
+        return {name: getattr(self, name) for name in names}

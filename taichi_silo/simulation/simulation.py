@@ -187,9 +187,13 @@ class Simulation:
 
     def _let_go(self) -> None:
         """Count what has passed the opening, and take out what has passed the exit."""
-        kept = self.discharge.take_out() if self.discharge and self.clock.stage == "flow" else None
+        if self.discharge is None or self.clock.stage != "flow":
+            return
+        kept = self.discharge.take_out()
         if kept is not None:
             self.identity = self.identity[kept]
+        a_point = self.model.mass / self.model.section.factor / self.model.particles.count
+        if self.discharge.flows(a_point):
             self.clock.left_at = self.clock.time
 
     @property
@@ -210,7 +214,7 @@ class Simulation:
     @property
     def discharged(self) -> float:
         """Mass of the sand that has passed the opening's plane since the start [kg/m]."""
-        return self.model.section.factor * (self.discharge.mass + self.discharge.passing) if self.discharge else 0.0
+        return self.model.section.factor * self.discharge.passed if self.discharge else 0.0
 
     # --- state ----------------------------------------------------------------------------------------------------
 

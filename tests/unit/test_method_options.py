@@ -144,6 +144,7 @@ def test_sand_counts_with_what_of_it_has_passed_the_opening():
     assert gone.take_out().sum() == 20
     assert gone.mass == pytest.approx(5 * each)
     assert gone.passing == pytest.approx(3 * 0.25 * each)
+    assert gone.flows(each) and not gone.flows(each), "nothing has passed since"
 
 
 @pytest.mark.parametrize("shape", SHAPES)
