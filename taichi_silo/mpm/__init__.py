@@ -23,7 +23,8 @@ HOME = {  # of the public names; each is imported when it is first used, because
     "laws": ("Elastic", "GudehusBauer", "Intergranular"),
     "laws.stress_point": ("StressPoint", "wave_speed"),
     "walls": (
-        "Coulomb", "FixedNode", "Frictionless", "Gate", "NoSlip", "OpenFloor", "PlaneWall", "RoughFree", "Surface",
+        "Coulomb", "Edges", "FixedNode", "Frictionless", "Gate", "NoSlip", "OpenFloor", "PlaneWall", "RoughFree",
+        "Surface",
     ),
     "noise_control": ("NoiseControl",),
     "velocity_transfer": ("TRANSFERS", "Apic", "Blend", "Enhanced", "Flip", "Pic", "Xpic"),

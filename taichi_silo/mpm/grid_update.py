@@ -7,6 +7,10 @@ Formulas only; the executors loop over the nodes.
 
 import taichi as ti
 
+from taichi_silo.mpm.walls.contact import Frictionless
+
+KEEPS_IN = Frictionless()  # what a wall does where it does not bear
+
 
 @ti.func
 def velocity_of_wall(wall: ti.template(), step, i, j):
@@ -21,7 +25,11 @@ def velocity_of_wall(wall: ti.template(), step, i, j):
 def held(wall: ti.template(), step, i, j, x, y):
     """The velocity (x, y) [m/s] of node (i, j) that its contact with a wall admits."""
     base_x, base_y = velocity_of_wall(wall, step, i, j)
-    free_x, free_y = wall.contact.touch((x - base_x, y - base_y), wall.normal(i, j))
+    relative, normal = (x - base_x, y - base_y), wall.normal(i, j)
+    free_x, free_y = wall.contact.touch(relative, normal)
+    if ti.static(getattr(wall, "bears_from", 0) > 0):  # noqa: SIM102 (compiled in or not)
+        if j < wall.bears_from:
+            free_x, free_y = KEEPS_IN.touch(relative, normal)
     return base_x + free_x, base_y + free_y
 
 

@@ -1,5 +1,6 @@
 """Sums and extremes over the points: what observers, guards and the choice of the time step ask for."""
 
+import math
 from types import SimpleNamespace
 
 import taichi as ti
@@ -9,6 +10,8 @@ from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.tensors import trace
+
+BELOW = 1.5  # cells below the floor to which sand that has passed an opening may fall
 
 
 @ti.data_oriented
@@ -36,6 +39,18 @@ class PointSums:
             kinetic_energy=energy, momentum=momentum, transit=transit, void_ratio_low=low, separated=int(separated),
             strays=int(strays), speed=speed, void_ratio_high=high, height=height, stored=stored,
         )  # fmt: skip
+
+    def speed(self) -> float:
+        """Greatest speed [m/s] alone."""
+        return math.sqrt(self._greatest_squared_speed())
+
+    @ti.kernel
+    def _greatest_squared_speed(self) -> real:
+        greatest = ti.cast(0.0, real)
+        ti.loop_config(serialize=ti.static(not self.shared))
+        for p in range(self.particles.active[None]):
+            ti.atomic_max(greatest, self.particles.velocity[p].norm_sqr())
+        return greatest
 
     @ti.kernel
     def _take(self):
@@ -65,7 +80,7 @@ class PointSums:
             ti.atomic_max(self.found[6], speed)
             h, up = self.grid.cell_size, self.grid.cell_height(0)
             across = self.grid.periodic or (x[0] > -h and x[0] < (self.grid.columns - 4) * h)
-            inside = across and x[1] > -up and x[1] < (self.grid.rows - 4) * up
+            inside = across and x[1] > -BELOW * up and x[1] < (self.grid.rows - 4) * up
             finite = trace((s[0], s[1], s[2], s[3])) + speed < 1e300
             if not (inside and finite):
                 self.found[5] += 1.0

@@ -27,6 +27,7 @@ from taichi_silo.mpm.tensors import norm
 from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.mpm.wall_impulses import Impulses
 from taichi_silo.mpm.walls.friction import AtOnce, Delayed
+from taichi_silo.mpm.walls.outlets import OPENED
 from taichi_silo.mpm.walls.surfaces import NoSurfaces, Surface, Surfaces
 
 STRESS_UPDATES = ("last", "first", "modified")
@@ -187,7 +188,7 @@ class Solver:
         done = 0
         while done < steps:
             chunk = steps - done
-            fastest = self.point_sums().speed + max(map(abs, plate_velocity)) if looks else 0.0
+            fastest = self._fastest((steps - done) * dt, gravity, plate_velocity) if looks else 0.0
             if self.averaging.ACTIVE:
                 self.averaging.refresh()
                 chunk = min(chunk, self.averaging.steps_within(fastest, dt))
@@ -197,6 +198,12 @@ class Solver:
             if self.filter.BETWEEN_LAUNCHES:
                 self.filter.passed(chunk, fastest, dt)
             done += chunk
+
+    def _fastest(self, duration_s: float, gravity: Sequence[float], plate_velocity: Sequence[float]) -> float:
+        """How fast a point may become in a time, relative to the grid [m/s]: carried by a plate, or in free fall."""
+        if min(plate_velocity) <= OPENED:
+            return self.sums.speed() + max(map(abs, gravity)) * duration_s
+        return self.sums.speed() + max(map(abs, plate_velocity))
 
     def run_for(
         self, duration_s: float, gravity: float = 0.0, plate_velocity: float = 0.0, safety: float = 0.9

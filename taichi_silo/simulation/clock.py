@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-OPENED = -20.0  # speed of a gate that sand cannot follow [m/s]
+from taichi_silo.mpm.walls.outlets import OPENED
 
 
 @dataclass(frozen=True)

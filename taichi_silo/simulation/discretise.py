@@ -15,6 +15,7 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.walls import Coulomb, Edges, Frictionless, Gate, NoSlip, OpenFloor, PlaneWall, Surface
+from taichi_silo.mpm.walls.outlets import pace_of_edge
 from taichi_silo.scene import polygons
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow
@@ -162,12 +163,16 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
     )
     plate = Coulomb(scene.walls.bottom_friction_angle_deg)
     floor = grid.node_along(0.0)
+    # in the corner the floor bears the sand: a wall of no slip would hold it, and where the bottom sinks pull it down
+    sides = tuple(replace(wall, bears_from=floor + 1) if isinstance(wall.contact, NoSlip) else wall for wall in sides)
     if silo.floor_is_outlet:
         fade = max(1.0, FADE * silo.width_m / h)
         fading = [replace(wall, fade=fade) if isinstance(wall.contact, NoSlip) else wall for wall in sides]
         return (*fading, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0)))
     first, last = _edges(scene, section, grid)
-    return (*sides, *(part(floor, first, last, plate) for part in (OpenFloor, Edges, Gate)))
+    pace = pace_of_edge(last - MARGIN if section.round else None, math.isqrt(scene.grid.points_per_cell))
+    edges = Edges(floor, first, last, plate, motion=(0.0, pace))
+    return (*sides, OpenFloor(floor, first, last, plate), edges, Gate(floor, first, last, plate))
 
 
 def paces(walls: tuple[Wall, ...], grid: Grid) -> np.ndarray:

@@ -11,6 +11,7 @@ from taichi_silo.simulation.model import Model
 RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
 SHORT, LANDING = 0.5, 0.6  # of an interval and of a time step in free outflow: sand that lands is stiff at once
 LONGER = 1.05  # at most, a step against that of the interval before: where sand has landed, more will
+REACH = 0.35  # of a cell: by more, no sand may pass the exit within an interval
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
 
 
@@ -64,7 +65,7 @@ def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None
         or clock.time - clock.left_at >= AT_REST_S
     ):
         return None
-    reach = 0.5 * model.scene.grid.cell_size_m  # no sand may pass the exit by more within an interval
+    reach = REACH * model.scene.grid.cell_size_m
     fastest = fastest_m_per_s + model.gravity * model.interval
     duration = min(SHORT * model.interval, reach / fastest)
     return Interval(duration, plate_velocity=(OPENED, OPENED), growth=LANDING, longer=LONGER)

@@ -20,7 +20,7 @@ from taichi_silo.simulation.discretise import discretise
 from taichi_silo.simulation.record import Record
 
 STEP_SAFETY = 0.95  # of the stable step, which changes within an interval
-EXIT = 0.5  # of a cell below the floor: sand that has passed touches no node that can move
+EXIT = 1.1  # cells below the floor: at most an eighth of the weight of sand there is still on the row of the floor
 
 
 class Simulation:
@@ -192,6 +192,8 @@ class Simulation:
         kept = self.discharge.take_out()
         if kept is not None:
             self.identity = self.identity[kept]
+            if self.solver.filter.BETWEEN_LAUNCHES:
+                self.solver.filter.keep(kept)
         a_point = self.model.mass / self.model.section.factor / self.model.particles.count
         if self.discharge.flows(a_point):
             self.clock.left_at = self.clock.time

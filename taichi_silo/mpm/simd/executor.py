@@ -18,6 +18,7 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.simd.store import Groups, Layout
 from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd, eight
+from taichi_silo.mpm.walls.outlets import OPENED
 
 STRIPS = 2  # or as many as threads, if they are more
 SORTED_FOR = 0.25  # of a cell: as far as points may move before they are sorted anew
@@ -107,7 +108,8 @@ class Simd(Executor):
     def _sort(self, count: int, dt: float, schedule: tuple[float, ...]) -> None:
         """Put the points in the order of their cells, unless they hardly moved since that was done."""
         revision, moved = self.sorted
-        moved += 2.0 * count * dt * max(map(abs, schedule[2:4])) / self.grid.cell_size
+        carried = max(abs(v) for v in schedule[2:4]) if min(schedule[2:4]) > OPENED else 0.0
+        moved += 2.0 * count * dt * carried / self.grid.cell_size
         moved += count * 1e-4  # if something moves by itself faster than that, the order is not the best
         if revision == self.particles.revision and moved < SORTED_FOR:
             self.sorted = revision, moved

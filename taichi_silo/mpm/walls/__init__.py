@@ -1,6 +1,6 @@
-"""Walls: `planes` and `outlets` hold nodes, `surfaces` press on the sand from anywhere; `coulomb` says how.
+"""Walls: `planes` and `outlets` hold nodes, `surfaces` press on the sand from anywhere; `contact` says how.
 
-The contract of a wall that holds nodes, a frozen dataclass with `name`, `contact` (see coulomb.py) and `motion` (its
+The contract of a wall that holds nodes, a frozen dataclass with `name`, `contact` (see contact.py) and `motion` (its
 velocity as a multiple, along x and y, of the plate velocity of the step):
 
 `holds(i, j)`   whether it holds node (i, j)

@@ -2,8 +2,8 @@
 
 Both hold the nodes on the floor's line and below it. Of what the node at an edge stands for, half lies on the floor and
 half in the opening: it sinks half as fast as the gate, so that what passes is the opening's width times the way of the
-gate, and above an open gate it is free. The nodes below it belong to the gate, so that what has passed touches the
-floor no more.
+gate, and above an open gate it is free. In a round silo less of it lies in the opening (`pace_of_edge`). The nodes
+below it belong to the gate, so that what has passed touches the floor no more.
 """
 
 from dataclasses import dataclass
@@ -11,6 +11,24 @@ from dataclasses import dataclass
 import taichi as ti
 
 from taichi_silo.mpm.walls.contact import Coulomb, NoSlip
+
+OPENED = -20.0  # speed of a gate that sand cannot follow [m/s]
+
+
+def pace_of_edge(radius_cells: float | None, points_across: int) -> float:
+    """Speed of an edge node over that of the gate, so that what passes is the opening's area times the way of the gate.
+
+    Parameters
+    ----------
+    radius_cells : R / h of a round opening; None: a slot.
+    points_across : points of a cell along x.
+
+    With weights that are straight lines, the inner nodes of a round opening stand for R^2 / 2 - R h / 2 + h^2 / 6 per
+    radian, the node at its edge for R h. Rings of finite width add h^2 / (12 k^2), k across a cell.
+    """
+    if radius_cells is None:
+        return 0.5
+    return 0.5 - (1.0 / 6.0 + 1.0 / (12.0 * points_across**2)) / radius_cells
 
 
 @dataclass(frozen=True)

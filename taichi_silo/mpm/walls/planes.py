@@ -23,6 +23,8 @@ class PlaneWall:
     lowest : of a wall at constant x, the row of nodes at which it begins (above a hopper).
     fade : of a wall at constant x, number of cells above a bottom that moves, over which its nodes move less and less
         with that (see `followed`).
+    bears_from : of a wall of no slip, the row of nodes from which it bears sand; lower ones, which a floor bears, it
+        only keeps in.
 
     """
 
@@ -34,6 +36,7 @@ class PlaneWall:
     motion: tuple[float, float] = (0.0, 0.0)
     lowest: int = 0
     fade: float = 0.0
+    bears_from: int = 0
 
     def plane(self, grid: Grid) -> tuple[int, int, float]:
         """Axis, side and coordinate [m] (Python scope)."""
