@@ -54,7 +54,7 @@ class Solver:
     filtering : a class of `taichi_silo.mpm.filters`, or None.
     surfaces : walls of `taichi_silo.mpm.walls.surfaces` that do not follow the grid.
     friction_delay_s : time in which friction at walls follows the normal force [s] (see `walls.friction`); 0: at once;
-        None: that in which a wave crosses the points' lesser extent three times.
+        None: that in which a wave crosses the points' lesser extent three times. For bodies that rebound, 0.
     shared : whether a phase is one parallel task with atomic sums; None: on a GPU.
     simd : whether eight points go at once; None: wherever that is possible and can be trusted on this machine.
 

@@ -12,7 +12,8 @@ class Discharge:
     """Counts what has passed an opening at the height 0 of the grid; per metre run of the computed part.
 
     A point counts with the share of its height that is below the plane, and is taken out when it has passed the exit,
-    where it touches no node that sand above the plane can feel.
+    where hardly anything of it touches a node that sand above the plane can feel; half as deep, when it has spread
+    beside the opening, where it would lie for ever.
 
     Attributes
     ----------
@@ -60,12 +61,13 @@ class Discharge:
         """
         x, height = self.particles.fields["position"].to_numpy()[: self.particles.active[None]].T
         (left, right), d = self.opening_m, self.spacing_m
-        partly = (x > left - d) & (x < right + d) & (height < 0.5 * d) & (height >= self.exit_m)
+        below = (x > left - d) & (x < right + d)
+        gone = height < np.where(below, self.exit_m, 0.5 * self.exit_m)
+        partly = below & (height < 0.5 * d) & ~gone
         self.passing = 0.0
         if partly.any():
             masses = self.particles.fields["mass"].to_numpy()[: len(height)][partly]
             self.passing = float(masses @ np.minimum(0.5 - height[partly] / d, 1.0))
-        gone = height < self.exit_m
         if not gone.any():
             return None
         arrays = self.particles.arrays()

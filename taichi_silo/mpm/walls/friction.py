@@ -9,7 +9,8 @@ block, Adams 1995 for a half space). Friction that follows within a time t*, as 
 
 With t* the time in which a wave crosses the body three times, none of its modes is fed. The mean of F is that of mu N;
 a contact younger than t* remembers all of it alike. Where sand has slipped by a cell h, the node stands at other sand
-than it remembers, hence the second term.
+than it remembers, hence the second term. Friction outlasts a contact by t*, so this is for what slides, not for what
+rebounds.
 """
 
 import math
