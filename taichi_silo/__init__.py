@@ -11,7 +11,11 @@ result.state("filled")["void_ratio"].mean()
 import importlib
 import os
 
+from taichi_silo.utils import home
+
+home.ensure()
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")  # a run prints only its own lines
+os.environ.setdefault("TI_ENABLE_PYBUF", "0")  # no kernel prints, wherever standard output goes
 
 HOME = {  # of the public names; each is imported when it is first used, which keeps the program's start short
     "errors": ("BadInput", "RunFailed", "Stopped"),

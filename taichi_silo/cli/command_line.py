@@ -1,5 +1,6 @@
 """A command line that says in one sentence what is wrong: of a scenario script, and of the program."""
 
+import contextlib
 import functools
 import sys
 from collections.abc import Callable, Sequence
@@ -13,6 +14,7 @@ from rich.console import Console as RichConsole
 from rich.table import Table
 
 from taichi_silo.errors import BadInput, MachineFailed, RunFailed, Stopped
+from taichi_silo.utils import streams
 from taichi_silo.utils.bounded_reading import place
 from taichi_silo.utils.console import Console
 from taichi_silo.utils.machine_faults import of_machine
@@ -42,6 +44,7 @@ def app_of(function: Callable) -> typer.Typer:
 
 def serve(app: typer.Typer, name: str, arguments: Sequence[str] | None = None) -> NoReturn:
     """Run an app of a name; it ends the process with the exit code, after one sentence if something is wrong."""
+    streams.last()
     words = list(sys.argv[1:] if arguments is None else arguments)
     for one in app.registered_commands:
         one.callback = one.callback and _stopping(one.callback)
@@ -108,7 +111,7 @@ def print_or_write(text: str, output: Path | None) -> None:
     Raises BadInput if the file is there, or cannot be written.
     """
     if output is None:
-        print(text, end="")
+        _print_file(text)
         return
     output = place(output, "output")
     if output.exists():
@@ -117,6 +120,15 @@ def print_or_write(text: str, output: Path | None) -> None:
         output.write_text(text, encoding="utf-8")
     except OSError as error:
         raise BadInput(f"output {output} cannot be written: {error.strerror or error}") from error
+
+
+def _print_file(text: str) -> None:
+    """Print the text of a file: where no person reads it, in UTF-8, whatever the machine's code page."""
+    if not sys.stdout.isatty():
+        with contextlib.suppress(AttributeError, ValueError):
+            sys.stdout.reconfigure(encoding="utf-8")
+    print(text, end="")
+    streams.heard()
 
 
 def explain(scene) -> None:

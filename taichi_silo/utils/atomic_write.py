@@ -35,7 +35,7 @@ def written(file: Path, previous: Path | None = None) -> Iterator[Path]:
     A file that had the name before is renamed to `previous`, or replaced. Raises OSError, which names the file, if it
     cannot be written.
     """
-    passing = file.with_name(f"{file.name}.part")
+    passing = file.absolute().with_name(f"{file.name}.part")  # pandas reads a relative "run:1/..." as an address
     try:
         yield passing
         put(passing, file, previous)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from rich.console import Console as RichConsole
 from rich.progress import Progress
 
+from taichi_silo.utils import streams
+
 WIDE = 132  # columns of a table that goes to a file or another program
 
 
@@ -39,3 +41,4 @@ class Console:
         if self.as_json:
             json.dump(found, sys.stdout, default=str, allow_nan=False)
             print()
+            streams.heard()

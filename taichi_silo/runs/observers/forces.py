@@ -73,6 +73,7 @@ def rows_of(folder: Path) -> pd.DataFrame:
 
     A row that one of the files lacks, as when a disk was full, is left out.
     """
+    folder = folder.absolute()  # pandas reads a relative "file:x/..." as an address
     forces, balance = (pd.read_csv(folder / name, encoding="utf-8") for name in ("forces.csv", "balance.csv"))
     count = min(len(forces), len(balance))
     rest = balance.columns.difference(forces.columns)

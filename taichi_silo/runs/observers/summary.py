@@ -235,7 +235,7 @@ class Summary(Observer):
 
     def _wall_stresses(self) -> dict:
         """Of each state, away from the corner: at one node, and as a pressure cell reads it."""
-        walls, found = pd.read_csv(self.profiles.file), {}
+        walls, found = pd.read_csv(self.profiles.file.absolute()), {}
         for state, rows in walls[walls.wall.isin(["left", "right"])].groupby("state"):
             node, cell = 0.0, 0.0
             for _, wall in rows.groupby("wall"):

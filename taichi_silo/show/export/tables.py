@@ -20,7 +20,7 @@ def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) ->
 
     Tables of an earlier export are replaced. `seen` hears of each state that is written; returns their number.
     """
-    passing = target.with_name(f"{target.name}.part")
+    passing = target.absolute().with_name(f"{target.name}.part")
     shutil.rmtree(passing, ignore_errors=True)
     passing.mkdir()
     try:

@@ -1,10 +1,13 @@
 """The look shared by all figures: colours that colour-blind readers tell apart, sizes, a light grid."""
 
+import logging
 import textwrap
 from typing import Any
 
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # a font of formulas that is missing costs nothing
 
 BLACK, BLUE, VERMILLION, GREEN = "#000000", "#0072B2", "#D55E00", "#009E73"  # palette of Okabe and Ito
 PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"

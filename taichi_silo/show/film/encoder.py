@@ -51,8 +51,11 @@ def encode(file: Path, frames: Iterable[np.ndarray], frames_per_second: int = FR
 
 
 def passing_name(file: Path) -> Path:
-    """The name of a film that is not complete; its ending tells imageio what it is."""
-    return file.with_name(f"{file.stem}.part{file.suffix}")
+    """The name of a film that is not complete; its ending tells imageio what it is.
+
+    It is absolute: in a relative one, ffmpeg reads "run:1/..." as a protocol and "-run/..." as an option.
+    """
+    return file.absolute().with_name(f"{file.stem}.part{file.suffix}")
 
 
 def _append(writer, frame: np.ndarray, file: Path) -> None:
