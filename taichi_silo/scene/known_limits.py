@@ -11,6 +11,7 @@ from taichi_silo.scene.symmetry import SLENDER
 
 NOISY = ("apic", "gradient", "xpic", "blend", "pic")
 FEWEST_CELLS = 10  # that an outlet should be wide
+DEAD_EDGE = 1.4  # cells of its width that pass nothing in free outflow (`validation/beverloo.py`)
 SLOW = 0.002  # m/s, in the silo of 0.5 m: below it N has no trend any more
 
 
@@ -54,7 +55,21 @@ def of_method(scene: Scene) -> list[str]:
             f"Mass scaling by {method.mass_scaling:g} makes the sand feel a bottom {method.mass_scaling**0.5:.3g} "
             "times as fast: N and P between very rough walls change as with that speed."
         )
+    if scene.flow.outflow == "gravity" and cells_across_outlet(scene) < FEWEST_CELLS - 1e-6:
+        cells = cells_across_outlet(scene)
+        share = max(0.0, 1.0 - DEAD_EDGE / cells) ** 1.5
+        found.append(
+            f"The outlet is {cells:.3g} cells wide: sand falls out at {share:.0%} of the rate that a fine grid gives, "
+            f"and may jam; {FEWEST_CELLS} cells or more would do, as with a cell size of "
+            f"{1e3 * scene.grid.cell_size_m * cells / FEWEST_CELLS:.3g} mm."
+        )
     return found
+
+
+def cells_across_outlet(scene: Scene) -> float:
+    """Width of the outlet over that of a cell."""
+    left, right = scene.silo.outlet_m
+    return (right - left) / scene.grid.cell_size_m
 
 
 def of_results(scene: Scene) -> list[str]:
@@ -109,13 +124,9 @@ def of_results(scene: Scene) -> list[str]:
 
 
 def _of_outlet(scene: Scene) -> list[str]:
-    left, right = scene.silo.outlet_m
-    found, cells = [], (right - left) / scene.grid.cell_size_m
+    found, cells = [], cells_across_outlet(scene)
     if cells < FEWEST_CELLS - 1e-6:
-        found.append(
-            f"The outlet is {cells:.3g} cells wide, and half a cell of sand is held beside each of its "
-            f"edges: it should be {FEWEST_CELLS} cells or more."
-        )
+        found.append(f"The outlet is {cells:.3g} cells wide; it should be {FEWEST_CELLS} cells or more.")
     if scene.grid.points_per_cell == 1:
         found.append(
             "Sand that flows across a grid that stands still, with one point a cell, carries stripes of two cells in "
