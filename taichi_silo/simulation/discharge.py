@@ -12,7 +12,7 @@ class Discharge:
     """Counts what has passed an opening at the height 0 of the grid; per metre run of the computed part.
 
     A point counts with the share of its height that is below the plane, and is taken out when it has passed the exit,
-    where hardly anything of it touches a node that sand above the plane can feel; half as deep, when it has spread
+    where hardly anything of it touches a node that sand above the plane can feel; a quarter as deep, when it has spread
     beside the opening, where it would lie for ever.
 
     Attributes
@@ -62,7 +62,7 @@ class Discharge:
         x, height = self.particles.fields["position"].to_numpy()[: self.particles.active[None]].T
         (left, right), d = self.opening_m, self.spacing_m
         below = (x > left - d) & (x < right + d)
-        gone = height < np.where(below, self.exit_m, 0.5 * self.exit_m)
+        gone = height < np.where(below, self.exit_m, 0.25 * self.exit_m)
         partly = below & (height < 0.5 * d) & ~gone
         self.passing = 0.0
         if partly.any():
