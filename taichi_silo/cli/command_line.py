@@ -124,9 +124,10 @@ def print_or_write(text: str, output: Path | None) -> None:
 
 def _print_file(text: str) -> None:
     """Print the text of a file: where no person reads it, in UTF-8, whatever the machine's code page."""
-    if not sys.stdout.isatty():
+    stream: Any = sys.stdout
+    if not stream.isatty():
         with contextlib.suppress(AttributeError, ValueError):
-            sys.stdout.reconfigure(encoding="utf-8")
+            stream.reconfigure(encoding="utf-8")
     print(text, end="")
     streams.heard()
 

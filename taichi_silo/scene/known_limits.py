@@ -11,7 +11,7 @@ from taichi_silo.scene.symmetry import SLENDER
 
 NOISY = ("apic", "gradient", "xpic", "blend", "pic")
 FEWEST_CELLS = 10  # that an outlet should be wide
-DEAD_EDGE = 1.4  # cells of its width that pass nothing in free outflow (`validation/beverloo.py`)
+DEAD_EDGE = 1.7  # cells of its width that pass nothing in free outflow (`validation/beverloo.py`)
 SLOW = 0.002  # m/s, in the silo of 0.5 m: below it N has no trend any more
 
 

@@ -157,7 +157,7 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
     low = tuple(MARGIN + math.ceil(foot / h - 1e-9) if foot else 0 for foot in silo.feet_m)
     left, right = grid.node_along(0.0), grid.node_along(section.width)
     axis = Frictionless()
-    sides = (
+    sides: tuple[PlaneWall, ...] = (
         PlaneWall("axis", 0, -1, left, axis) if section.round else PlaneWall("left", 0, -1, left, side, lowest=low[0]),
         PlaneWall("axis", 0, 1, right, axis) if section.half else PlaneWall("right", 0, 1, right, side, lowest=low[1]),
     )

@@ -3,7 +3,7 @@
 import contextlib
 import os
 import sys
-from typing import Any, TextIO
+from typing import Any
 
 
 class Lasting:
@@ -15,7 +15,7 @@ class Lasting:
 
     """
 
-    def __init__(self, stream: TextIO):
+    def __init__(self, stream: Any):
         self.stream, self.lost = stream, None
         with contextlib.suppress(AttributeError, ValueError):
             stream.reconfigure(errors="backslashreplace")

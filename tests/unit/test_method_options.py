@@ -134,17 +134,23 @@ def test_what_leaves_is_booked_and_what_stays_goes_on():
 
 
 def test_sand_counts_with_what_of_it_has_passed_the_opening():
-    """Five columns of five points of 20 mm; all sink by 15 mm, and the opening is as wide as three columns."""
-    particles, _ = block(width=0.1, height=0.1, cell=0.02, origin=(0.0, -0.015))
-    each = particles.arrays()["mass"][0]
+    """Five columns of five points of 20 mm; the middle three sink by 15 mm, through an opening as wide as these."""
+    particles, _ = block(width=0.1, height=0.1, cell=0.02)
+    each, place = particles.arrays()["mass"][0], particles.arrays()["position"]
+    inner = np.abs(place[:, :1] - 0.05) < 0.03
+    change(particles, position=place - inner * [0.0, 0.015])
     gone = Discharge(particles, exit_m=-0.01, opening_m=(0.04, 0.06), spacing_m=0.02)
     assert gone.take_out() is None
     assert gone.passing == pytest.approx(3 * 0.75 * each)  # of the columns beside the edges, too
-    change(particles, position=particles.arrays()["position"] - [0.0, 0.01])
-    assert gone.take_out().sum() == 20
-    assert gone.mass == pytest.approx(5 * each)
+    change(particles, position=place - inner * [0.0, 0.025])
+    assert gone.take_out().sum() == 22
+    assert gone.mass == pytest.approx(3 * each)
     assert gone.passing == pytest.approx(3 * 0.25 * each)
     assert gone.flows(each) and not gone.flows(each), "nothing has passed since"
+    place = particles.arrays()["position"]
+    place[0] = 0.015, -0.003  # below the floor, beside the opening
+    change(particles, position=place)
+    assert not gone.take_out()[0]
 
 
 @pytest.mark.parametrize("shape", SHAPES)
