@@ -22,6 +22,14 @@ def test_plug_flow(columns):
     assert found.first_from_surface == pytest.approx(1.0, abs=2.0 * WIDTH / columns / HEIGHT)
 
 
+def test_sand_that_is_in_the_outlet_takes_no_time():
+    points, volume, _ = lattice(20)
+    lower = points - [0.0, 1.5 * points[:, 1].min()]  # the lowest row is below the floor
+    found = residence(lower, down(np.full(len(points), SPEED)), volume, WIDTH, WIDTH * SPEED)
+    assert (found.time_s[lower[:, 1] < 0.0] == 0.0).all()
+    assert found.time_s.min() == 0.0 and found.over_plug[0] > 0.0
+
+
 @pytest.mark.parametrize("columns", [20, 40])
 def test_a_shear_profile(columns):
     """Speed v0 (1/2 + x / w): every point sinks straight down at its own speed."""

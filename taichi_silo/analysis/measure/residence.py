@@ -104,7 +104,8 @@ def _times(
         v = velocity(np.clip(here + 0.5 * interval[:, None] * v, 0.0, walls))
         there = here + interval[:, None] * v
         through = there[:, 1] < 0.0
-        part = np.where(through, here[:, 1] / np.maximum(here[:, 1] - there[:, 1], 1e-300), 1.0)
+        above = np.maximum(here[:, 1], 0.0)  # sand in the outlet has left
+        part = np.where(through, above / np.maximum(above - there[:, 1], 1e-300), 1.0)
         crossing = here[:, 0] + part * (there[:, 0] - here[:, 0])
         # a streamline along the bottom is pushed back onto it until it comes to the outlet
         out = through & (crossing >= outlet[0]) & (crossing <= outlet[1])
