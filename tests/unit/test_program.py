@@ -55,6 +55,16 @@ def test_the_scene_that_is_printed_is_a_scene(said, tmp_path):
     assert said("scene", "--markdown")[1].startswith("## `[silo]`")
 
 
+def test_a_scene_from_a_file_takes_the_number_of_threads_as_a_scenario_does(said, tmp_path):
+    file = tmp_path / "silo.toml"
+    file.write_text(TINY.replace("threads = 1\n", ""))
+    code, out, _ = said("run", file, "--threads", 1, "--check", "--json")
+    assert code == 0
+    assert json.loads(out)["scene"]["machine"]["threads"] == 1
+    code, _, err = said("run", file, "--threads", 1000, "--check")
+    assert code == 2 and "threads is 1000" in err
+
+
 def test_a_scene_is_checked_without_being_run(said, tmp_path):
     file = tmp_path / "silo.toml"
     file.write_text(TINY)

@@ -57,6 +57,9 @@ def scene_file(
         list[str] | None,
         typer.Option("--set", help="PATH=VALUE: another value, such as --set flow.speed_m_per_s=0.005; repeatable"),
     ] = None,
+    threads: Annotated[
+        int | None, typer.Option(help="CPU threads that share a step; those of the scene if not given")
+    ] = None,
     explain: ExplainFlag = False,
     check: Annotated[bool, typer.Option("--check", help="only say whether the scene is possible")] = False,
     quiet: QuietFlag = False,
@@ -75,7 +78,10 @@ def scene_file(
     from taichi_silo.utils.console import Console
 
     console = Console(quiet, json)
-    wanted = read_scene(scene, change or ())
+    changes = list(change or ())
+    if threads is not None:
+        changes.append(f"machine.threads={threads}")
+    wanted = read_scene(scene, changes)
     if explain:
         command_line.explain(wanted)
         return
