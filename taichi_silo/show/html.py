@@ -45,12 +45,13 @@ def picture_of(file: Path) -> Image.Image | None:
 
 def frame_of(film: Path, share: float) -> Image.Image | None:
     """The frame at a share of a film's length, 0 to 1; None if the film is not there or cannot be read."""
+    file = str(film.absolute())  # ffmpeg reads a relative "run:1/..." as a protocol
     try:
-        reader = imageio_ffmpeg.read_frames(str(film.absolute()))
+        reader = imageio_ffmpeg.read_frames(file)
         seconds = next(reader)["duration"]
         reader.close()
         when = max(0.0, min(share * seconds, seconds - LAST_S))
-        reader = imageio_ffmpeg.read_frames(str(film.absolute()), input_params=["-ss", f"{when:.3f}"])
+        reader = imageio_ffmpeg.read_frames(file, input_params=["-ss", f"{when:.3f}"])
         size = next(reader)["size"]
         frame = Image.frombytes("RGB", size, next(reader))
         reader.close()
