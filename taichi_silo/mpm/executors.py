@@ -31,12 +31,14 @@ class Phase(NamedTuple):
     run : the function.
     option : a compile-time constant for it.
     waits : whether it needs what other threads did in the phase before.
+    rows : that ROWS runs over; 0: those of the grid.
     """
 
     over: int
     run: object
     option: object = None
     waits: bool = True
+    rows: int = 0
 
 
 @ti.dataclass
@@ -103,7 +105,9 @@ class PhaseLoop:
         self.grid, self.threads, self.barrier = grid, threads, Barrier(threads)
         waits = [number > 0 and phase.waits for number, phase in enumerate(phases)]
         self.waits = sum(waits)  # in a step
-        self.phases = tuple((sum(waits[:n]), waits[n], *phase[:3]) for n, phase in enumerate(phases))
+        self.phases = tuple(
+            (sum(waits[:n]), waits[n], *phase[:3], phase.rows or grid.rows) for n, phase in enumerate(phases)
+        )
 
     @ti.func
     def steps(self, store: ti.template(), t, done, count, steps, dt, g0, g1, v0, v1, filling_drag, passed):
@@ -112,7 +116,7 @@ class PhaseLoop:
         low, high = t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads
         for number in range(count):
             step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
-            for before, waits, over, run, option in ti.static(self.phases):
+            for before, waits, over, run, option, rows in ti.static(self.phases):
                 if ti.static(waits):
                     self.barrier.wait(passed, number * self.waits + before)
                 if ti.static(over == SCATTER):
@@ -125,7 +129,7 @@ class PhaseLoop:
                         for i in range(self.grid.columns):
                             run(store, i, j, step, option)
                 else:
-                    for j in range(low, high):
+                    for j in range(t * rows // self.threads, (t + 1) * rows // self.threads):
                         run(store, j, step, option)
             self.grid.follow(t, step)
 
@@ -183,7 +187,7 @@ class Tasks(Executor):
     """One parallel task a phase, with atomic sums, as on a GPU; some steps a launch."""
 
     def __init__(self, phases: tuple[Phase, ...], store: Fields):
-        self.phases = tuple(phase[:3] for phase in phases)
+        self.phases = tuple((*phase[:3], phase.rows or store.grid.rows) for phase in phases)
         self.store, self.particles, self.grid = store, store.particles, store.grid
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
@@ -200,7 +204,7 @@ class Tasks(Executor):
         filling_drag: real,
     ):  # fmt: skip
         for number in ti.static(range(count)):
-            for over, run, option in ti.static(self.phases):
+            for over, run, option, rows in ti.static(self.phases):
                 if ti.static(over in (SCATTER, POINTS)):
                     for p in range(self.particles.active[None]):
                         step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
@@ -210,7 +214,7 @@ class Tasks(Executor):
                         step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
                         run(self.store, k % self.grid.columns, k // self.grid.columns, step, option)
                 else:
-                    for j in range(self.grid.rows):
+                    for j in range(rows):
                         run(self.store, j, step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag), option)
             if ti.static(self.grid.follows in ("top", "surface")):
                 for t in range(1):

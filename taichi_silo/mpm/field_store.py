@@ -5,8 +5,13 @@ the vector unit holds (`simd.store`). A store offers
 
 `read(name, p)`, `write(name, p, value)`
     a field of point p (see `Particles`): a value, or a tuple of its components.
-`keep(field, p, value)`, `kept(field, p)`, `each(function, p)`
-    the entry of point p in a scalar field by points, and the value of a function of the point's number.
+`keep(fields, p, values)`, `kept(fields, p)`
+    numbers of point p that outlive a phase, not a step; a store may have a place of its own for them.
+`each(function, p)`, `hand(function, p, t, value)`
+    the value of a function of the point's number; a function (store, number, value, copy) called with a value of the
+    point and the copy of sums that is its own.
+`add(sums, k, value)`
+    to entry k of a sum that others of the same copy add to.
 `gather(field, p, t)`
     what `g2p.gather` finds for point p.
 `read_sums(i, j, last)`, `write_velocity(k, x, y, old)`
@@ -42,14 +47,20 @@ class Fields:
             sums[k] = sums[k] + value
 
     @ti.func
-    def keep(self, field: ti.template(), p, value):
-        """Set the entry of point p."""
-        field[p] = value
+    def keep(self, fields: ti.template(), p, values):
+        """Set the entries of point p."""
+        for c in ti.static(range(len(fields))):
+            fields[c][p] = values[c]
 
     @ti.func
-    def kept(self, field: ti.template(), p):
-        """The entry of point p."""
-        return field[p]
+    def kept(self, fields: ti.template(), p):
+        """The entries of point p."""
+        return fields[0][p], fields[1][p], fields[2][p], fields[3][p], fields[4][p], fields[5][p]
+
+    @ti.func
+    def hand(self, function: ti.template(), p, t, value):
+        """Call the function."""
+        function(self, p, value, 0 if ti.static(self.atomic) else t)
 
     @ti.func
     def each(self, function: ti.template(), p):

@@ -116,7 +116,7 @@ class Solver:
             self.simd_refused = selftest.failure()
             simd = not self.simd_refused
         if simd:
-            return Simd(phases, self.particles, self.grid, self.shape, self.surroundings)
+            return Simd(phases, self.particles, self.grid, self.shape, self.surroundings, self.averaging.KEPT)
         store = Fields(self.particles, self.grid, self.shape, atomic)
         return Tasks(phases, store) if atomic else Threads(phases, store)
 
@@ -137,7 +137,7 @@ class Solver:
             raise ValueError(f"{given}; with the transfer {self.transfer} it must be 'last'")
         velocity, second = self.grid.velocity, self.grid.second_velocity
         press = [Phase(ROWS, self._press)] if self.surfaces.ACTIVE else []
-        after = [Phase(POINTS, self._respond)] if self.averaging.ACTIVE else []
+        after = [*self.averaging.phases(), Phase(POINTS, self._respond)] if self.averaging.ACTIVE else []
         after += self.filter.phases() if self.filter.ACTIVE else []
         if self.stress_update == "first":
             return [
@@ -284,7 +284,7 @@ class Solver:
     def _respond(self, store: ti.template(), p, t, step, option: ti.template()):
         """Stress of point p under its kept strain rate and the non-local norm of it."""
         d0, d1, d2, d3, spin, length = self.averaging.kept(store, p)
-        d_bar = store.each(self.averaging.mean, p)
+        d_bar = self.averaging.mean(store, p)
         respond(store, self.law, p, (d0, d1, d2, d3), spin, length, d_bar, step.dt)
 
     # --- a point --------------------------------------------------------------------------------------------------
@@ -306,7 +306,7 @@ class Solver:
             D, spin = (L[0], L[3], L[4], 0.5 * (L[1] + L[2])), 0.5 * (L[1] - L[2])
             length = norm(D)
             if ti.static(self.averaging.ACTIVE):  # it waits for the neighbours' strain rates
-                self.averaging.keep(store, p, D, spin, length)
+                self.averaging.keep(store, p, t, D, spin, length)
             else:
                 respond(store, self.law, p, D, spin, length, length, step.dt)
 

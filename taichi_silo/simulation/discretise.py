@@ -7,8 +7,10 @@ import numpy as np
 
 from taichi_silo.mpm.contracts import Wall
 from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.grid_means import GridMeans
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.laws.stress_point import wave_speed
+from taichi_silo.mpm.neighbour_rows import NeighbourRows
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import NonLocal, Weight
 from taichi_silo.mpm.particles import Particles
@@ -58,7 +60,7 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
         mass=section.factor * float(fill["mass"].sum()),
         particles=particles,
         grid=grid,
-        averaging=averaging_of(scene, kernel, particles, grid, walls),
+        averaging=averaging_of(scene, section, kernel, particles, grid, walls),
         about_averaging=about_averaging,
         walls=walls,
         surfaces=surfaces,
@@ -136,13 +138,16 @@ def fill_of(scene: Scene, section: Section, law: GudehusBauer | Intergranular, d
 
 
 def averaging_of(
-    scene: Scene, kernel: Weight | None, particles: Particles, grid: Grid, walls: tuple[Wall, ...]
+    scene: Scene, section: Section, kernel: Weight | None, particles: Particles, grid: Grid, walls: tuple[Wall, ...]
 ) -> NonLocal | None:
     """The non-local average, in which walls of no slip count if the scene wants it."""
     if kernel is None:
         return None
     planes = [wall.plane(grid) for wall in walls if isinstance(wall, PlaneWall) and isinstance(wall.contact, NoSlip)]
-    return NonLocal(kernel, particles, scene.spacing_m, rigid_planes=planes if scene.averaging.walls_count else ())
+    planes = planes if scene.averaging.walls_count else []
+    if scene.averaging.summed_by(kernel, scene.spacing_m) == "grid":
+        return NonLocal(GridMeans(kernel, particles, grid, section.half, planes))
+    return NonLocal(NeighbourRows(kernel, particles, scene.spacing_m, planes))
 
 
 def side_contact(scene: Scene, friction_angle_deg: float | None = None) -> Coulomb | NoSlip:

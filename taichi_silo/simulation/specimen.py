@@ -12,8 +12,10 @@ import numpy as np
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.geometry import Axisymmetric, PlaneStrain, Surroundings
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.grid_means import GridMeans
+from taichi_silo.mpm.neighbour_rows import NeighbourRows
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.mpm.nonlocal_average import NonLocal
+from taichi_silo.mpm.nonlocal_average import NonLocal, summed_by
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
@@ -55,7 +57,8 @@ class Specimen:
     follows, periodic : see `Grid`; fields of a periodic body are alike along x.
     gravity : [m/s2].
     kernel : of the non-local average, or None.
-    rigid_walls : whether walls of no slip count in it (see `NeighbourRows`).
+    rigid_walls : whether walls of no slip count in it (see `Means`).
+    by : whether it is summed over "rows" of neighbours, or by a "grid"; None: the faster one.
     control : noise control.
     shape, options : of the method.
     h : intergranular strain at the start, for a law that remembers.
@@ -65,8 +68,8 @@ class Specimen:
     def __init__(
         self, law, void_ratio, *, width_m, height_m, cell_size_m, walls, stress, per_axis=1, ambient_pressure=0.0,
         left_m=0.0, right_m=None, axisymmetric=False, follows="top", periodic=False, gravity=0.0, kernel=None,
-        rigid_walls=False, control: NoiseControl | None = None, shape="ugimp", options: MethodOptions | None = None,
-        h=(0.0,) * 4,
+        rigid_walls=False, by=None, control: NoiseControl | None = None, shape="ugimp",
+        options: MethodOptions | None = None, h=(0.0,) * 4,
     ):  # fmt: skip
         self.law, self.gravity, self.options = law, gravity, options or MethodOptions()
         right_m = left_m if right_m is None else right_m
@@ -92,11 +95,14 @@ class Specimen:
         self.particles.load(state)
         found = walls(grid)
         rigid = [wall.plane(grid) for wall in found if rigid_walls and isinstance(wall.contact, NoSlip)]
+        averaging = None
+        if kernel and (by or summed_by(kernel, spacing)) == "grid":
+            averaging = NonLocal(GridMeans(kernel, self.particles, grid, False, rigid, periodic))
+        elif kernel:
+            averaging = NonLocal(NeighbourRows(kernel, self.particles, spacing, rigid, periodic))
         self.solver = Solver(
             self.particles, grid, shape, law, found, control or NoiseControl(),
-            averaging=NonLocal(kernel, self.particles, spacing, rigid_planes=rigid, alike_along_x=periodic)
-            if kernel else None,
-            surroundings=Surroundings(geometry, ambient_pressure), friction_delay_s=0.0,
+            averaging=averaging, surroundings=Surroundings(geometry, ambient_pressure), friction_delay_s=0.0,
             **self.options.solver_options(),
         )  # fmt: skip
         self.time = self.travel = 0.0

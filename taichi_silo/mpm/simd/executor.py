@@ -47,12 +47,13 @@ class Simd(Executor):
     """Runs phases over groups of eight points (`executors` says what an executor is, `store.Layout` its arrays)."""
 
     def __init__(
-        self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings
-    ):
+        self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings,
+        kept: int,
+    ):  # fmt: skip
         self.particles, self.grid, self.shape = particles, grid, shape
         self.threads = runtime.threads()
         self.loop = PhaseLoop(phases, grid, self.threads)
-        self.layout = Layout(particles, grid, shape, surroundings, max(STRIPS, self.loop.threads))
+        self.layout = Layout(particles, grid, shape, surroundings, max(STRIPS, self.loop.threads), kept)
         self.points = runtime.array(eight, self.layout.groups * self.layout.record)
         self.sums = runtime.array(eight, self.layout.strips * grid.nodes)
         self.nodal = runtime.array(eight, grid.nodes)
