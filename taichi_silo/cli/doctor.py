@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.simd import selftest
 from taichi_silo.runs.run_folder import writable
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls, cores

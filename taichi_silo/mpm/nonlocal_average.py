@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import taichi as ti
 
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.neighbour_rows import NeighbourRows
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real

@@ -12,7 +12,7 @@ import tempfile
 import weakref
 from pathlib import Path
 
-import taichi as ti
+from taichi_silo.mpm.language import ti
 
 PRECISION = os.environ.get("TAICHI_SILO_PRECISION", "f64")
 if PRECISION not in ("f64", "f32", "mixed"):

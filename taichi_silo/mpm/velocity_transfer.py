@@ -14,7 +14,7 @@ The contract, a frozen dataclass:
 
 from dataclasses import dataclass
 
-import taichi as ti
+from taichi_silo.mpm.language import ti
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ Source: A. Niemunis, I. Herle, Mech. Cohes.-Frict. Mater. 2 (1997) 279-299.
 
 from dataclasses import dataclass, field
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws.gudehus_bauer import GudehusBauer
 from taichi_silo.mpm.simd.lane_maths import power
 from taichi_silo.mpm.tensors import added, inner, norm, scaled

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.shapes.ugimp import UniformGimp
 
 

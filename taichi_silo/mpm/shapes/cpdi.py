@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.shapes import stable_step
 
 LONGEST = 2.0  # edge of a domain, in cells: a corner is at most so far from its point, which the grid's margin holds

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.shapes.ugimp import UniformGimp
 
 LEAST, MOST = 0.05, 1.0  # half size of a domain, in cells: four nodes an axis hold a domain of two cells

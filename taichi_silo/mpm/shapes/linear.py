@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-import taichi as ti
 
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.shapes import stable_step
 
 

@@ -3,8 +3,7 @@
 import contextlib
 from collections.abc import Iterator
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 
 LANES = 8

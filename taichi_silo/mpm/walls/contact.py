@@ -8,7 +8,7 @@ pairs (x, y).
 import math
 from dataclasses import dataclass
 
-import taichi as ti
+from taichi_silo.mpm.language import ti
 
 
 @dataclass(frozen=True)

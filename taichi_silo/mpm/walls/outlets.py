@@ -8,8 +8,7 @@ below it belong to the gate, so that what has passed touches the floor no more.
 
 from dataclasses import dataclass
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.walls.contact import Coulomb, NoSlip
 
 OPENED = -20.0  # speed of a gate that sand cannot follow [m/s]

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-import taichi as ti
-
 from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.walls.contact import Coulomb, Frictionless, NoSlip, RoughFree
 
 

@@ -4,11 +4,11 @@ import functools
 
 import numpy as np
 import pytest
-import taichi as ti
 
 from taichi_silo.mpm import runtime, solver
 from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Tasks, Threads
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws import Elastic
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import UniformGimp

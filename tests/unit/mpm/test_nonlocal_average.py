@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-import taichi as ti
 
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.nonlocal_average import Exponential, Gaussian, NonLocal, self_weight
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.scene.scene import Averaging, Mesh, Scene, Silo, Walls

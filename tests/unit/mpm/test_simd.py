@@ -21,7 +21,7 @@ from taichi_silo.mpm.solver import Solver
 LANES = True  # see conftest.py
 SCRIPT = """
 import numpy as np
-import taichi as ti
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.laws.integrate import update
