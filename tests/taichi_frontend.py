@@ -4,13 +4,20 @@ The lines stand in its messages of errors, which stay as they are; here each is 
 """
 
 import functools
+import importlib
 import sys
 import textwrap
 from types import SimpleNamespace
 
-from taichi.lang import kernel_impl
-from taichi.lang.ast import ast_transformer_utils
+from taichi_silo.mpm.language import NAME
 
+wrapping, reading, compiling = (  # the module that wraps lines, that reads sources, that compiles
+    importlib.import_module(f"{NAME}.lang.{module}")
+    for module in (
+        ("kernel_impl", "kernel_impl", "kernel_impl") if NAME == "taichi" else ("_func_base", "_wrap_inspect", "kernel")
+    )
+)
+transforming = importlib.import_module(f"{NAME}.lang.ast.ast_transformer_utils")
 remember = functools.lru_cache(1 << 16)
 
 
@@ -26,10 +33,10 @@ def wrapped(text: str, width: int) -> list[str]:
     return textwrap.wrap(text, width)
 
 
-ast_transformer_utils.TextWrapper = Wrapper
-kernel_impl.textwrap = SimpleNamespace(fill=remember(textwrap.fill), dedent=textwrap.dedent)
-kernel_impl.getsourcelines = remember(kernel_impl.getsourcelines)
-kernel_impl.getsourcefile = remember(kernel_impl.getsourcefile)
+transforming.TextWrapper = Wrapper
+wrapping.textwrap = SimpleNamespace(fill=remember(textwrap.fill), dedent=textwrap.dedent)
+reading.getsourcelines = remember(reading.getsourcelines)
+reading.getsourcefile = remember(reading.getsourcefile)
 
 
 def untraced(function):
@@ -47,4 +54,4 @@ def untraced(function):
     return call
 
 
-kernel_impl.Kernel.materialize = untraced(kernel_impl.Kernel.materialize)
+compiling.Kernel.materialize = untraced(compiling.Kernel.materialize)

@@ -37,5 +37,6 @@ if NAME == "taichi":
     import taichi as ti
 else:
     import quadrants as ti
+VERSION = f"{NAME} {'.'.join(map(str, ti.__version__))}"
 
-__all__ = ["LANGUAGES", "NAME", "VARIABLE", "ti"]
+__all__ = ["LANGUAGES", "NAME", "VARIABLE", "VERSION", "ti"]

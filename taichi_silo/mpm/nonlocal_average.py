@@ -9,10 +9,10 @@ A new weight is a subclass of `Weight`, or has its members, and a name in `WEIGH
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from taichi_silo.mpm.frozen import frozen
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.neighbour_rows import NeighbourRows
 from taichi_silo.mpm.particles import Particles
@@ -23,7 +23,7 @@ MOST_STEPS = 500  # between two looks at how far points have moved
 INACTIVE_FROM = 0.99  # share of a point's own weight from which averaging changes nothing
 
 
-@dataclass(frozen=True)
+@frozen
 class Weight:
     """exp(-(r / l_c)^POWER), cut off at CUT l_c, where it is 1e-4."""
 

@@ -55,4 +55,4 @@ def test_the_language_of_the_kernels_is_imported_in_one_place():
     folders = [PACKAGE, *(PACKAGE.parent / name for name in ("tests", "validation", "benchmarks", "scenarios"))]
     files = [file for folder in folders for file in folder.rglob("*.py")]
     found = {file.name for file in files for name in imports(file) if name.split(".")[0] in ("taichi", "quadrants")}
-    assert found == {"language.py", "taichi_frontend.py"}  # the second makes Taichi's own front end faster
+    assert found == {"language.py"}

@@ -14,7 +14,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from taichi_silo.mpm.language import ti
+from taichi_silo.mpm import language
 
 PATIENCE_S = 300.0
 PACKAGE = Path(__file__).parents[1]  # the method, of which alone the verdict depends
@@ -34,7 +34,7 @@ def circumstances() -> str:
     if Path("/proc/cpuinfo").exists():
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         model += " ".join(line for line in lines if line.startswith(("model name", "CPU part")))[:200]
-    return f"{model} | python {platform.python_version()} | taichi {ti.__version__} | {sources.hexdigest()}"
+    return f"{model} | python {platform.python_version()} | {language.VERSION} | {sources.hexdigest()}"
 
 
 @functools.cache
