@@ -17,7 +17,7 @@ if AFFINITY and (worker := os.environ.get("PYTEST_XDIST_WORKER")):
 from taichi_silo import api
 from taichi_silo.cli import flags, model_silo  # noqa: F401 - they hold scenes made when they are imported
 from taichi_silo.mpm import executors, language, runtime, solver
-from tests import taichi_frontend  # noqa: F401 - it makes Taichi's front end faster
+from tests import untraced  # noqa: F401 - coverage does not watch the language
 
 HERE = Path(__file__).parent
 DATA, LONG = HERE / "data", HERE / "long.txt"

@@ -8,6 +8,7 @@ import importlib.util
 import os
 
 from taichi_silo.errors import BadInput
+from taichi_silo.mpm.front_end import speed_up
 
 LANGUAGES = ("taichi", "quadrants")
 VARIABLE = "TAICHI_SILO_LANGUAGE"
@@ -37,6 +38,7 @@ if NAME == "taichi":
     import taichi as ti
 else:
     import quadrants as ti
+speed_up(NAME)
 VERSION = f"{NAME} {'.'.join(map(str, ti.__version__))}"
 
 __all__ = ["LANGUAGES", "NAME", "VARIABLE", "VERSION", "ti"]
