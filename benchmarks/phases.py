@@ -1,8 +1,7 @@
 """Each phase of a step, looped alone on one thread: the functions are the solver's own."""
 
-import taichi as ti
-
 from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Step
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.simd.store import Groups
 from taichi_silo.mpm.simd.vectors import arrays_of_eight, compiling_simd

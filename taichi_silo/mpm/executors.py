@@ -8,12 +8,11 @@ step. The functions get as first argument the store that the executor works on: 
 
 from typing import NamedTuple
 
-import taichi as ti
-
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.field_store import Fields
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 
 SCATTER, POINTS, NODES, ROWS = range(4)  # what a phase runs over; SCATTER: points that add to their nodes

@@ -22,11 +22,10 @@ the vector unit holds (`simd.store`). A store offers
 For the vector unit p is the number of a group of eight points, and a value eight numbers.
 """
 
-import taichi as ti
-
 from taichi_silo.mpm import g2p
 from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 
 

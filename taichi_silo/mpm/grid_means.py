@@ -17,10 +17,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm.contracts import Kernel
 from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.means import Means
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
@@ -85,7 +85,8 @@ class GridMeans(Means):
         return self.along_row, self.along_columns
 
     def _build(self, place: np.ndarray) -> None:
-        first, weights = np.zeros(self.particles.count + 1, dtype=np.int32), np.zeros((self.particles.count + 1, RECORD))
+        entries = self.particles.count + 1
+        first, weights = np.zeros(entries, dtype=np.int32), np.zeros((entries, RECORD))
         node, parts = np.zeros((2, len(place)), dtype=np.int32), []
         for axis, most in ((0, self.columns), (1, self.rows)):
             start = self.origin_at[axis] + place[:, axis] / self.spacing - 0.5
@@ -148,7 +149,7 @@ class GridMeans(Means):
     @ti.func
     def along_columns(self, j):
         """The pass along y, for the nodes of row j."""
-        if REACH <= j and j < self.rows - REACH:
+        if j >= REACH and j < self.rows - REACH:
             up = ti.static(self.columns)
             for k in range(j * self.columns, (j + 1) * self.columns):
                 beside = self.convolved[k - up] + self.convolved[k + up]

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Kernel
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 

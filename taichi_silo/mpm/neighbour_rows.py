@@ -4,10 +4,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.contracts import Kernel
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.means import Means
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real

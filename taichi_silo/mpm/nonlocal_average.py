@@ -9,12 +9,12 @@ A new weight is a subclass of `Weight`, or has its members, and a name in `WEIGH
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm.executors import ROWS, Phase
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.means import Means
 from taichi_silo.mpm.runtime import real
 
@@ -24,7 +24,7 @@ GRID_FROM = 1.5  # l_c over the points' spacing, from which the grid is faster t
 INACTIVE_FROM = 0.99  # share of a point's own weight from which averaging changes nothing
 
 
-@dataclass(frozen=True)
+@frozen
 class Weight:
     """exp(-(r / l_c)^POWER), cut off at CUT l_c, where it is 1e-4."""
 

@@ -21,12 +21,12 @@ follow each other by the way of the points (`TURN`), whatever the time step.
 import contextlib
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import Phase
 from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.shapes.ugimp import UniformGimp

@@ -5,8 +5,6 @@ from collections.abc import Iterable, Sequence
 from types import SimpleNamespace
 from typing import Any
 
-import taichi as ti
-
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Filter, Law, Shape, Transfer, Wall
 from taichi_silo.mpm.executors import NODES, POINTS, ROWS, SCATTER, Executor, Phase, Tasks, Threads
@@ -16,6 +14,7 @@ from taichi_silo.mpm.g2p import affine_of, at_point, deform, gradient_of, move, 
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.grid_update import integrate_node, second_velocity_of_node
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import Local, NonLocal
 from taichi_silo.mpm.p2g import scatter, second_scatter

@@ -7,13 +7,13 @@ order of every sum, and with it every bit of the result, is the same for one thr
 from typing import Any
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.executors import Executor, Phase, PhaseLoop
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.simd.store import Groups, Layout

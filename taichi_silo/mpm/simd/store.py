@@ -7,11 +7,10 @@ of points with the same nodes stay in registers.
 
 from typing import Any
 
-import taichi as ti
-
 from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.p2g import point_contributions
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.point_weights import weights

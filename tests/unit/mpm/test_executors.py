@@ -4,7 +4,6 @@ import functools
 
 import numpy as np
 import pytest
-import taichi as ti
 
 from taichi_silo.mpm import runtime, solver
 from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Tasks, Threads
@@ -116,7 +115,7 @@ def test_threads_and_tasks_agree_to_round_off(name, how):
     assert_equal(fields(name), fields(name, how), 1e-9)
 
 
-@pytest.mark.skipif(not ti._lib.core.with_cuda(), reason="no CUDA device here")
+@pytest.mark.skipif(not runtime.has_cuda(), reason="no CUDA device here")
 @pytest.mark.parametrize("name", ["very rough", "smooth, four points a cell", "non-local"])
 def test_a_graphics_card_does_the_same_step_to_round_off(name):
     assert_equal(fields(name), stepped(name, None, "cuda")[0], 1e-9)

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
-import taichi as ti
 
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.grid_means import GridMeans
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.neighbour_rows import NeighbourRows
 from taichi_silo.mpm.nonlocal_average import Exponential, Gaussian, NonLocal, self_weight
 from taichi_silo.mpm.particles import Particles

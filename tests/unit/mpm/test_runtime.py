@@ -2,9 +2,8 @@
 
 import gc
 
-import taichi as ti
-
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.language import ti
 
 
 @ti.kernel
