@@ -69,10 +69,11 @@ class GridMeans(Means):
         margin = MARGIN * grid.cell_size / self.spacing
         width = 0.0 if alike_along_x else (grid.columns - 1 - 2 * MARGIN) * grid.cell_size / self.spacing
         height = grid.height * (1.0 if grid.follows in ("bottom", "nothing") else GROWTH) / self.spacing
-        # columns and rows of the origin; an axis of symmetry is to lie on nodes
-        self.origin_at = REACH + 1 + margin + (-(margin + width) % 1.0 if mirrored else 0.0), REACH + 1 + margin
+        # columns and rows of the origin; the middle of a whole body, where that of a half ends, lies on nodes
+        middle = width if mirrored else 0.5 * width
+        self.origin_at = REACH + 1 + margin + -(margin + middle) % 1.0, REACH + 1 + margin
         self.axis = round(self.origin_at[0] + width)
-        self.columns = self.axis + 3 + REACH + (0 if mirrored else math.ceil(margin))
+        self.columns = self.axis + 3 + REACH + (0 if mirrored else math.ceil(margin) + 1)
         self.rows = math.ceil(self.origin_at[1] + height + margin) + 2 + REACH
         self.nodes = self.columns * self.rows
         self.first = ti.field(ti.i32, shape=particles.count + 1)  # the last entry is that of no point

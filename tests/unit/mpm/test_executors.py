@@ -28,6 +28,10 @@ SCENES = {
     "smooth, four points a cell": {"walls": SMOOTH, "grid": Mesh(cell_size_m=0.02, points_per_cell=4)},
     "convected domains": {"grid": Mesh(cell_size_m=0.02, points_per_cell=4, shape="cpdi")},
     "non-local": {"averaging": Averaging(characteristic_length_m=0.01)},
+    "non-local by a grid": {"averaging": Averaging(characteristic_length_m=0.03)},
+    "half, non-local": {
+        "silo": HALF, "grid": Mesh(cell_size_m=0.02), "averaging": Averaging(characteristic_length_m=0.04)
+    },
     "hopper": {"silo": HOPPER, "walls": SMOOTH},
     "half": {"silo": HALF, "grid": Mesh(cell_size_m=0.02)},
     "nine points of hats": {"grid": Mesh(cell_size_m=0.02, points_per_cell=9, shape="linear")},
