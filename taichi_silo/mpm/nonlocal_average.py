@@ -9,13 +9,18 @@ A new weight is a subclass of `Weight`, or has its members, and a name in `WEIGH
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from taichi_silo.mpm.executors import ROWS, Phase
 from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.grid_means import GridMeans
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.means import Means
+from taichi_silo.mpm.neighbour_rows import NeighbourRows
+from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 
 TOLERANCE = 0.02  # of l_c: no point should move so far on the same rows; from half of it on they are built anew
@@ -92,17 +97,31 @@ class NonLocal:
 
     Parameters
     ----------
-    means : how it is summed: `NeighbourRows` or `GridMeans`.
-    tolerance : displacement of a point, over l_c, after which they are built anew.
+    kernel : of `WEIGHTS`, with its length.
+    particles : the points.
+    spacing_m : of the points at the start.
+    tolerance : displacement of a point, over l_c, after which the means are built anew.
+    rigid_planes, alike_along_x : see `Means`.
+    grid, mirrored : of the solver (see `GridMeans`); without a grid means are summed over rows.
+    by : whether they are summed over "rows", or by the "grid"; None: the faster one.
 
     """
 
     ACTIVE = True
     KEPT = 6  # numbers of a point that wait for the neighbours'
 
-    def __init__(self, means: Means, tolerance: float = TOLERANCE):
-        self.means, self.allowed = means, tolerance * means.kernel.length_m
-        self.rates = tuple(ti.field(real, shape=means.particles.count) for _ in range(self.KEPT))
+    def __init__(
+        self, kernel: Weight, particles: Particles, spacing_m: float, tolerance: float = TOLERANCE,
+        rigid_planes: Sequence[tuple[int, int, float]] = (), alike_along_x: bool = False, grid: Grid | None = None,
+        mirrored: bool = False, by: str | None = None,
+    ):  # fmt: skip
+        self.means: Means
+        if grid and (by or summed_by(kernel, spacing_m)) == "grid":
+            self.means = GridMeans(kernel, particles, grid, mirrored, rigid_planes, alike_along_x)
+        else:
+            self.means = NeighbourRows(kernel, particles, spacing_m, rigid_planes, alike_along_x)
+        self.allowed = tolerance * kernel.length_m
+        self.rates = tuple(ti.field(real, shape=particles.count) for _ in range(self.KEPT))
 
     def phases(self) -> list[Phase]:
         """What runs between `keep` of all points and `mean`."""

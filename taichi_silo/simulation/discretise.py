@@ -7,10 +7,8 @@ import numpy as np
 from taichi_silo.mpm.contracts import Wall
 from taichi_silo.mpm.frozen import replaced
 from taichi_silo.mpm.grid import MARGIN, Grid
-from taichi_silo.mpm.grid_means import GridMeans
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.laws.stress_point import wave_speed
-from taichi_silo.mpm.neighbour_rows import NeighbourRows
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import NonLocal, Weight
 from taichi_silo.mpm.particles import Particles
@@ -144,10 +142,10 @@ def averaging_of(
     if kernel is None:
         return None
     planes = [wall.plane(grid) for wall in walls if isinstance(wall, PlaneWall) and isinstance(wall.contact, NoSlip)]
-    planes = planes if scene.averaging.walls_count else []
-    if scene.averaging.summed_by(kernel, scene.spacing_m) == "grid":
-        return NonLocal(GridMeans(kernel, particles, grid, section.half, planes))
-    return NonLocal(NeighbourRows(kernel, particles, scene.spacing_m, planes))
+    return NonLocal(
+        kernel, particles, scene.spacing_m, rigid_planes=planes if scene.averaging.walls_count else (), grid=grid,
+        mirrored=section.half, by=scene.averaging.means,
+    )  # fmt: skip
 
 
 def side_contact(scene: Scene, friction_angle_deg: float | None = None) -> Coulomb | NoSlip:

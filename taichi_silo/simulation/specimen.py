@@ -12,10 +12,8 @@ import numpy as np
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.geometry import Axisymmetric, PlaneStrain, Surroundings
 from taichi_silo.mpm.grid import Grid
-from taichi_silo.mpm.grid_means import GridMeans
-from taichi_silo.mpm.neighbour_rows import NeighbourRows
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.mpm.nonlocal_average import NonLocal, summed_by
+from taichi_silo.mpm.nonlocal_average import NonLocal
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
@@ -95,14 +93,12 @@ class Specimen:
         self.particles.load(state)
         found = walls(grid)
         rigid = [wall.plane(grid) for wall in found if rigid_walls and isinstance(wall.contact, NoSlip)]
-        averaging = None
-        if kernel and (by or summed_by(kernel, spacing)) == "grid":
-            averaging = NonLocal(GridMeans(kernel, self.particles, grid, False, rigid, periodic))
-        elif kernel:
-            averaging = NonLocal(NeighbourRows(kernel, self.particles, spacing, rigid, periodic))
         self.solver = Solver(
             self.particles, grid, shape, law, found, control or NoiseControl(),
-            averaging=averaging, surroundings=Surroundings(geometry, ambient_pressure), friction_delay_s=0.0,
+            averaging=NonLocal(
+                kernel, self.particles, spacing, rigid_planes=rigid, alike_along_x=periodic, grid=grid, by=by
+            ) if kernel else None,
+            surroundings=Surroundings(geometry, ambient_pressure), friction_delay_s=0.0,
             **self.options.solver_options(),
         )  # fmt: skip
         self.time = self.travel = 0.0

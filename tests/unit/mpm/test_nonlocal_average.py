@@ -117,11 +117,8 @@ def in_a_shear_zone(amount):
     return place, moved, profile, spacing
 
 
-def moved_after_building(means, moved):
-    average = NonLocal(means)
-    average.refresh()
-    means.particles.position.from_numpy(moved)
-    return average
+def average_of(place, spacing, **options):
+    return NonLocal(Gaussian(LENGTH), points_at(place), spacing, **options)
 
 
 @pytest.mark.parametrize("made_of", [rows_of, grid_of])
@@ -129,7 +126,8 @@ def test_kept_means_are_those_of_new_ones_as_long_as_they_are_kept_and_later_wou
     for moves, low, high in ((0.98 * 0.02 * LENGTH, 0.0, 2e-3), (2.0 * LENGTH, 0.02, np.inf)):
         place, moved, norm, spacing = in_a_shear_zone(moves)
         means = made_of(Gaussian(LENGTH), place, spacing)
-        moved_after_building(means, moved)
+        means.build()
+        means.particles.position.from_numpy(moved)
         kept = Reading(means)(norm)
         means.build()
         assert low < np.abs(kept - Reading(means)(norm)).max() / norm.max() < high
@@ -140,7 +138,9 @@ def test_rows_are_built_anew_once_half_of_the_allowed_displacement_is_used_up():
     allowed = 0.02 * LENGTH
     for amount, builds in ((0.4, 1), (0.6, 2)):
         place, moved, _, spacing = in_a_shear_zone(amount * allowed)
-        average = moved_after_building(rows_of(Gaussian(LENGTH), place, spacing), moved)
+        average = average_of(place, spacing)
+        average.refresh()
+        average.means.particles.position.from_numpy(moved)
         average.refresh()
         assert average.means.builds == builds
 
@@ -206,7 +206,7 @@ def test_a_non_local_step_differs_from_a_local_one():
 
 def test_means_are_built_anew_when_other_volumes_are_loaded_at_the_same_places():
     place, volume, norm = scattered(seed=5)
-    average = NonLocal(rows_of(Gaussian(LENGTH), place, 0.03 / math.sqrt(600)))
+    average = average_of(place, 0.03 / math.sqrt(600))
     average.refresh()
     particles = average.means.particles
     particles.load(particles.arrays() | {"volume": volume})
@@ -215,7 +215,7 @@ def test_means_are_built_anew_when_other_volumes_are_loaded_at_the_same_places()
 
 
 def test_sand_at_rest_is_looked_at_again_after_some_hundred_steps():
-    average = NonLocal(rows_of(Gaussian(LENGTH), scattered()[0], 0.03 / math.sqrt(600)))
+    average = average_of(scattered()[0], 0.03 / math.sqrt(600))
     assert average.steps_within(0.0, 1e-6) <= 500
     assert average.steps_within(10.0, 1e-5) == 1
 
