@@ -32,7 +32,7 @@ NEXT = 0.5 * VARIANCE - 4.0 * FURTHEST  # of neighbours
 TAPS = (1.0 - 2.0 * NEXT - 2.0 * FURTHEST, NEXT, FURTHEST)
 REACH = len(TAPS) - 1
 RECORD = 8  # numbers of a point, so that they lie in one line of the cache
-STRIPS = 2  # of points, each with sums of its own, or as many as threads
+HALVES = 2  # of the vector unit's strips, each with sums of its own, or as many as threads
 GROWTH = 1.5  # by which a grid whose height follows the sand may grow
 
 
@@ -65,7 +65,7 @@ class GridMeans(Means):
     ):  # fmt: skip
         super().__init__(kernel, particles, rigid_planes, alike_along_x)
         self.spacing, self.mirrored = kernel.length_m / PER_LENGTH, mirrored
-        self.copies = max(STRIPS, grid.copies)
+        self.copies, self.reach_m = max(HALVES, grid.copies), 3.0 * self.spacing
         margin = MARGIN * grid.cell_size / self.spacing
         width = 0.0 if alike_along_x else (grid.columns - 1 - 2 * MARGIN) * grid.cell_size / self.spacing
         height = grid.height * (1.0 if grid.follows in ("bottom", "nothing") else GROWTH) / self.spacing

@@ -54,7 +54,7 @@ class Means:
         self.place = ti.Vector.field(2, real, shape=particles.count)  # of the points when it was built [m]
         self.sand = ti.field(real, shape=particles.count)  # share of the kernel on this side of the rigid planes
 
-    rows, copies = 0, 1
+    rows, copies, reach_m = 0, 1, 0.0  # the last: between points that add to a common node of the passes, at most
 
     def passes(self) -> tuple:
         """None: values that have been given are all that `mean` needs."""

@@ -72,6 +72,7 @@ class Local:
 
     ACTIVE = False
     KEPT = 0
+    reach_m = 0.0
 
 
 def summed_by(kernel: Weight, spacing_m: float) -> str:
@@ -120,6 +121,7 @@ class NonLocal:
             self.means = GridMeans(kernel, particles, grid, mirrored, rigid_planes, alike_along_x)
         else:
             self.means = NeighbourRows(kernel, particles, spacing_m, rigid_planes, alike_along_x)
+        self.reach_m = self.means.reach_m
         self.allowed = tolerance * kernel.length_m
         self.rates = tuple(ti.field(real, shape=particles.count) for _ in range(self.KEPT))
 

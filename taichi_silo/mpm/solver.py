@@ -115,7 +115,7 @@ class Solver:
             self.simd_refused = selftest.failure()
             simd = not self.simd_refused
         if simd:
-            return Simd(phases, self.particles, self.grid, self.shape, self.surroundings, self.averaging.KEPT)
+            return Simd(phases, self.particles, self.grid, self.shape, self.surroundings, self.averaging)
         store = Fields(self.particles, self.grid, self.shape, atomic)
         return Tasks(phases, store) if atomic else Threads(phases, store)
 

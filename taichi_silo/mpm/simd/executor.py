@@ -1,9 +1,10 @@
 """The steps of a solver on groups of eight points; the solver's fields hold the state before and after each launch.
 
-The points are cut into strips, each with sums of its own, whose number does not depend on that of the threads: the
-order of every sum, and with it every bit of the result, is the same for one thread and for two.
+The points are cut into strips, whose number depends on the points, not on the threads: the order of every sum, and
+with it every bit of the result, is the same for any number of threads.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,10 @@ from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
-from taichi_silo.mpm.simd.store import Groups, Layout
+from taichi_silo.mpm.simd.store import HALVES, STRIPS, Groups, Layout
 from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd, eight
 from taichi_silo.mpm.walls.outlets import OPENED
 
-STRIPS = 2  # or as many as threads, if they are more
 SORTED_FOR = 0.25  # of a cell: as far as points may move before they are sorted anew
 NOTHING = 1e-200  # of a point's mass and volume: what fills up the last group
 
@@ -48,18 +48,21 @@ class Simd(Executor):
 
     def __init__(
         self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings,
-        kept: int,
+        averaging: Any,
     ):  # fmt: skip
         self.particles, self.grid, self.shape = particles, grid, shape
         self.threads = runtime.threads()
         self.loop = PhaseLoop(phases, grid, self.threads)
-        self.layout = Layout(particles, grid, shape, surroundings, max(STRIPS, self.loop.threads), kept)
+        self.layout = Layout(particles, grid, shape, surroundings, averaging.KEPT)
         self.points = runtime.array(eight, self.layout.groups * self.layout.record)
-        self.sums = runtime.array(eight, self.layout.strips * grid.nodes)
+        self.sums = runtime.array(eight, HALVES * grid.nodes)
         self.nodal = runtime.array(eight, grid.nodes)
         self.sums.fill(0.0)
         self.nodal.fill(0.0)
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
+        self.strips = 2  # that the points are cut into
+        # rows of cells between points of strips with the same sums: no common node, and a row that either may move
+        self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), math.ceil(averaging.reach_m / grid.cell_size)) + 2
         self.compiled = False
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
@@ -75,6 +78,8 @@ class Simd(Executor):
                 self._steps(*given)
             self.compiled = True
         self._store(self.points, self.nodal)
+        if self.strips > 2 and self._crowded():
+            self.sorted = (-1, 0.0)
 
     def check(self) -> None:
         """See `Barrier`."""
@@ -82,7 +87,7 @@ class Simd(Executor):
 
     def state(self) -> dict | None:
         """What outlives a launch beside the fields: the order of the points, and when they were sorted."""
-        return {"sorted": list(self.sorted), "order": self.layout.order.to_numpy()}
+        return {"sorted": list(self.sorted), "order": self.layout.order.to_numpy(), "strips": self.strips}
 
     def restore(self, state: dict | None) -> None:
         """Go on from fields that were loaded, and from a state; without one the points are sorted before the next step.
@@ -99,8 +104,10 @@ class Simd(Executor):
         if state:
             if not ((state["order"] >= 0) & (state["order"] <= self.particles.count)).all():
                 raise ValueError("the order names points that are not there")
-            self.sorted = tuple(state["sorted"])
             self.layout.order.from_numpy(state["order"])
+            if "strips" in state:  # otherwise it is of a version that cut the points elsewhere
+                self.sorted = tuple(state["sorted"])
+                self._cut(int(state["strips"]))
 
     def load(self) -> None:
         """Take the state over from the fields."""
@@ -123,12 +130,48 @@ class Simd(Executor):
             # a lattice may lie on the edge of cells: round-off must not tear its rows apart
             cell = np.floor(place * per_cell - offset + 1e-9)
             order = np.lexsort((cell[:, 0], cell[:, 1])).astype(np.int32)
+            rows = cell[order, 1]
         else:
-            order = np.arange(active, dtype=np.int32)
+            order, rows = np.arange(active, dtype=np.int32), np.zeros(active)
         full = np.full(self.layout.groups * LANES, self.particles.count, dtype=np.int32)
         full[:active] = order
         self.layout.order.from_numpy(full)
         self.sorted = self.particles.revision, 0.0
+        self._cut(next(count for count in (16, 8, 4, 2) if count == 2 or self._stand_apart(rows, count)))
+
+    def _bounds(self, count: int) -> np.ndarray:
+        """First group of each of so many strips, and the end of the last."""
+        groups = (int(self.particles.active[None]) + LANES - 1) // LANES
+        return np.arange(count + 1) * groups // count
+
+    def _stand_apart(self, rows: np.ndarray, count: int) -> bool:
+        """Whether strips with one between them are far enough apart, the points being in these rows of cells."""
+        ends = self._bounds(count) * LANES
+        if (np.diff(ends) == 0).any():
+            return False
+        first, last = rows[ends[:-1]], rows[np.minimum(ends[1:], len(rows)) - 1]
+        return bool((first[2:] - last[:-2] >= self.apart).all())
+
+    def _cut(self, count: int) -> None:
+        """Cut the points into so many strips, a power of 2; the others are empty."""
+        self.strips = count
+        bounds, every = self._bounds(count), STRIPS // count
+        slots = np.arange(STRIPS + 1)
+        self.layout.first.from_numpy(bounds[-(-slots // every)].astype(np.int32))
+        self.layout.half.from_numpy((slots[:-1] // every % HALVES).astype(np.int32))
+
+    @ti.kernel
+    def _crowded(self) -> ti.i32:
+        """Whether strips with the same sums have come closer than a row of nodes."""
+        found = 0
+        ti.loop_config(serialize=True)
+        for a in range(STRIPS):
+            for b in range(a + 1, STRIPS):
+                low, high = self.layout.reach[b, 0], self.layout.reach[a, 1]
+                holds = self.layout.reach[a, 0] < high and low < self.layout.reach[b, 1]
+                if holds and self.layout.half[a] == self.layout.half[b] and low <= high:
+                    found = 1
+        return found
 
     @ti.kernel
     def _load(self, points: arrays_of_eight):

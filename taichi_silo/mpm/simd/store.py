@@ -17,6 +17,8 @@ from taichi_silo.mpm.point_weights import weights
 from taichi_silo.mpm.simd.lane_maths import greatest
 from taichi_silo.mpm.simd.vectors import LANES, eight
 
+STRIPS = 16  # of points, at most
+HALVES = 2  # of the strips, each with sums of its own
 MIRROR = (1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0)  # of the eight slots that a point gives: x turns round
 MIRROR_VELOCITY = (-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0)  # of the eight numbers that a node has
 
@@ -40,25 +42,27 @@ class Layout:
     array of eight  shape            meaning
     ==============  ===============  ===================================================================
     points          group * record   the fields of eight points, one after the other; what they keep within a step
-    sums            strip * node     what the points of a strip gave to a node, by slots
+    sums            half * node      what the points of every second strip gave to a node, by slots
     nodal           node             what a point may gather there: velocity, change, velocity, velocity
     ==============  ===============  ===================================================================
 
-    `order` (field, group * 8) is the number of each point, `particles.count` where there is none; `reach` (strip, 2)
+    `order` (field, group * 8) is the number of each point, `particles.count` where there is none. The groups are cut
+    into strips of some rows of cells: `first` (STRIPS + 1) has the first group of each, `half` says to which sums its
+    points add; neighbours have different ones, and strips of the same half no rows of nodes in common, so that each
+    strip may be another thread's. `touched` (half, row) says whether sums of a row are not zero, `reach` (STRIPS, 2)
     the first and last row of nodes that a strip touched.
     """
 
-    def __init__(
-        self, particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings, strips: int, kept: int
-    ):
+    def __init__(self, particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings, kept: int):
         self.particles, self.grid, self.shape, self.surroundings = particles, grid, shape, surroundings
-        self.strips = strips
         self.groups = (particles.count + LANES - 1) // LANES
         widths = [particles.WIDTHS.get(name, 1) for name in particles.names]
         self.record = sum(widths) + kept  # which are its last numbers
         self.begins = {name: sum(widths[:k]) for k, name in enumerate(particles.names)}
         self.order = ti.field(ti.i32, shape=self.groups * LANES)
-        self.reach = ti.field(ti.i32, shape=(strips, 16))
+        self.first, self.half = ti.field(ti.i32, shape=STRIPS + 1), ti.field(ti.i32, shape=STRIPS)
+        self.touched = ti.field(ti.i32, shape=(HALVES, grid.rows))
+        self.reach = ti.field(ti.i32, shape=(STRIPS, 16))
 
 
 @ti.data_oriented
@@ -68,8 +72,7 @@ class Groups:
     def __init__(self, layout: Layout, points: Any, sums: Any, nodal: Any):
         self.layout, self.points, self.sums, self.nodal = layout, points, sums, nodal
         self.particles, self.grid, self.shape = layout.particles, layout.grid, layout.shape
-        self.surroundings, self.strips = layout.surroundings, layout.strips
-        self.order, self.reach = layout.order, layout.reach
+        self.surroundings, self.order = layout.surroundings, layout.order
 
     # --- fields of the points of group g -------------------------------------------------------------------------
 
@@ -113,12 +116,11 @@ class Groups:
     @ti.func
     def hand(self, function: ti.template(), g, t, value):
         """Call the function for each point."""
-        copy = 0
-        for strip in ti.static(range(1, self.strips)):
-            if g >= self.first_group(strip):
-                copy = strip
+        strip = 0
+        while g >= self.layout.first[strip + 1]:
+            strip += 1
         for lane in ti.static(range(LANES)):
-            function(self, self.order[g * LANES + lane], value[lane], copy)
+            function(self, self.order[g * LANES + lane], value[lane], self.layout.half[strip])
 
     @ti.func
     def add(self, sums: ti.template(), k, value):
@@ -138,18 +140,13 @@ class Groups:
     @ti.func
     def strips_of(self, t, threads: ti.template()):
         """First of the strips of thread t, and of those of the next."""
-        return t * self.strips // threads, (t + 1) * self.strips // threads
-
-    @ti.func
-    def first_group(self, strip):
-        """Number of the first group of a strip."""
-        return strip * ((self.particles.active[None] + LANES - 1) // LANES) // self.strips
+        return t * STRIPS // threads, (t + 1) * STRIPS // threads
 
     @ti.func
     def points_of(self, t, threads: ti.template()):
         """First of the groups of thread t, and of those of the next."""
         first, last = self.strips_of(t, threads)
-        return self.first_group(first), self.first_group(last)
+        return self.layout.first[first], self.layout.first[last]
 
     @ti.func
     def scatter(self, run: ti.template(), t, threads: ti.template(), step, option: ti.template()):
@@ -160,21 +157,22 @@ class Groups:
 
     @ti.func
     def scatter_strip(self, strip, t):
-        """Into the sums of a strip, what its points give."""
+        """Into the sums of a strip's half, what its points give."""
+        sums_from = self.layout.half[strip] * self.grid.nodes
         lowest, highest = eight(self.grid.rows), eight(0.0)
         nothing = eight(0.0)
         c00, c01, c02 = nothing, nothing, nothing
         c10, c11, c12 = nothing, nothing, nothing
         c20, c21, c22 = nothing, nothing, nothing
         at, columns = -2, self.grid.columns  # nothing has been collected yet, and node 0 does not follow it
-        for g in range(self.first_group(strip), self.first_group(strip + 1)):
+        for g in range(self.layout.first[strip], self.layout.first[strip + 1]):
             given = point_contributions(self, self.grid, self.surroundings, g, t)
             for patch in ti.static(range(self.shape.PATCHES)):
                 i, sx, gx, j, sy, gy = weights(self, self.grid, self.shape, g, t, patch)
                 lowest, highest = ti.min(lowest, j), ti.max(highest, j)
                 first = j * columns + i
                 for lane in range(LANES):
-                    k = strip * self.grid.nodes + self.within(first[lane])
+                    k = sums_from + self.within(first[lane])
                     v = eight(
                         given[0][lane], given[1][lane], given[2][lane], given[3][lane], given[4][lane], given[5][lane],
                         given[6][lane], given[7][lane],
@@ -212,8 +210,11 @@ class Groups:
                                 node = k + b * columns + a
                                 self.sums[node] = self.sums[node] + along_x(sx[a][lane], gx[a][lane]) * y
         self.flush(at, c00, c01, c02, c10, c11, c12, c20, c21, c22)
-        self.reach[strip, 0] = ti.cast(0.0 - greatest(0.0 - lowest), ti.i32)
-        self.reach[strip, 1] = ti.cast(greatest(highest), ti.i32) + self.shape.NODES - 1
+        low = ti.max(0, ti.cast(0.0 - greatest(0.0 - lowest), ti.i32))
+        high = ti.min(self.grid.rows, ti.cast(greatest(highest), ti.i32) + self.shape.NODES)
+        self.layout.reach[strip, 0], self.layout.reach[strip, 1] = low, high
+        for j in range(low, high):
+            self.layout.touched[self.layout.half[strip], j] = 1
 
     @ti.func
     def within(self, first):
@@ -258,19 +259,16 @@ class Groups:
     # --- nodes ----------------------------------------------------------------------------------------------------
 
     @ti.func
-    def touches(self, strip: ti.template(), j):
-        """Whether a strip has given anything to row j."""
-        return self.reach[strip, 0] <= j and j <= self.reach[strip, 1]
-
-    @ti.func
     def read_sums(self, i, j, last: ti.template()):
-        """Mass, momentum and force of node (i, j) from all strips, which are emptied."""
+        """Mass, momentum and force of node (i, j) from both halves, which are emptied; i must go from left to right."""
         k = j * self.grid.columns + i
         total = eight(0.0)
-        for strip in ti.static(range(self.strips)):
-            if self.touches(strip, j):
-                total = total + self.sums[strip * self.grid.nodes + k]
-                self.sums[strip * self.grid.nodes + k] = eight(0.0)
+        for half in ti.static(range(HALVES)):
+            if self.layout.touched[half, j] != 0:
+                total = total + self.sums[half * self.grid.nodes + k]
+                self.sums[half * self.grid.nodes + k] = eight(0.0)
+                if i == self.grid.columns - 1:
+                    self.layout.touched[half, j] = 0
         return total[0], total[1], total[2], total[3] + total[4] + total[6], total[5] + total[7]
 
     @ti.func
@@ -281,17 +279,17 @@ class Groups:
     @ti.func
     def clear_axis(self, k, j):
         """Nothing crosses the axis at node k: no momentum and no force along x."""
-        for strip in ti.static(range(self.strips)):
-            if self.touches(strip, j):
-                here = strip * self.grid.nodes + k
+        for half in ti.static(range(HALVES)):
+            if self.layout.touched[half, j] != 0:
+                here = half * self.grid.nodes + k
                 self.sums[here] = self.sums[here] * (0.5 + 0.5 * eight(*ti.static(MIRROR)))
 
     @ti.func
     def fold(self, k, image, j):
         """Add the mirrored sums of node `image` to those of node k, and empty them."""
-        for strip in ti.static(range(self.strips)):
-            if self.touches(strip, j):
-                here, there = strip * self.grid.nodes + k, strip * self.grid.nodes + image
+        for half in ti.static(range(HALVES)):
+            if self.layout.touched[half, j] != 0:
+                here, there = half * self.grid.nodes + k, half * self.grid.nodes + image
                 self.sums[here] = self.sums[here] + self.sums[there] * eight(*ti.static(MIRROR))
                 self.sums[there] = eight(0.0)
 
