@@ -8,11 +8,12 @@ READY := $(VENV)/.ready
 
 setup: $(READY)
 
-# exactly what requirements.lock names, each file of it by its hash, and nothing else; $(READY) says from which lock
+# exactly what requirements.lock names, each file of it by its hash, and nothing else (setuptools, which venv brings, only
+# where the fork of Taichi needs it); $(READY) says from which lock
 $(READY): pyproject.toml requirements.lock
 	$(PYTHON) -m venv --clear $(VENV)
 	$(BIN)/python -m pip install -qq --require-hashes --only-binary :all: -r requirements.lock
-	$(BIN)/python -m pip uninstall -qq --yes setuptools
+	$(BIN)/python -c "import quadrants" 2>/dev/null || $(BIN)/python -m pip uninstall -qq --yes setuptools
 	$(BIN)/python -m pip install -qq --no-deps --no-build-isolation --editable .
 	cp requirements.lock $(READY)
 

@@ -5,12 +5,15 @@ that hardly ever come; for every function that is decorated it searches all modu
 each text is composed, and each source read, once. What is compiled is the same.
 """
 
+import contextlib
 import functools
 import importlib
+import inspect
 import linecache
 import re
 import sys
 import textwrap
+from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,6 +23,22 @@ MODULES = {  # that find whether a function is one of a class, read sources, wra
 }
 HEADS = re.compile(r"@(\w+\.)?data_oriented|class ")  # of a class's text
 remember = functools.lru_cache(1 << 16)
+
+
+@contextlib.contextmanager
+def frames_by_file() -> Iterator[None]:
+    """While the language is imported, which decorates functions of its own, lines of frames are looked up by file."""
+    usual = inspect.getframeinfo
+    inspect.getframeinfo = lambda frame, context=1: ("", 0, "", [line_of(frame)], 0)  # type: ignore[assignment, return-value]
+    try:
+        yield
+    finally:
+        inspect.getframeinfo = usual
+
+
+def line_of(frame: Any) -> str:
+    """The line of the source at which a frame is."""
+    return linecache.getline(frame.f_code.co_filename, frame.f_lineno)
 
 
 def speed_up(name: str) -> None:
@@ -35,8 +54,7 @@ def speed_up(name: str) -> None:
 
 def inside_class(level_of_class_stackframe: int) -> bool:
     """Whether the statement that runs so many frames above is a class: a function is then decorated as its own."""
-    frame = sys._getframe(level_of_class_stackframe)
-    return HEADS.match(linecache.getline(frame.f_code.co_filename, frame.f_lineno).strip()) is not None
+    return HEADS.match(line_of(sys._getframe(level_of_class_stackframe)).strip()) is not None
 
 
 def positions_kept(get_pos_info: Any) -> Any:

@@ -8,7 +8,7 @@ import importlib.util
 import os
 
 from taichi_silo.errors import BadInput
-from taichi_silo.mpm.front_end import speed_up
+from taichi_silo.mpm.front_end import frames_by_file, speed_up
 
 LANGUAGES = ("taichi", "quadrants")
 VARIABLE = "TAICHI_SILO_LANGUAGE"
@@ -34,10 +34,11 @@ def _chosen() -> str:
 
 
 NAME = _chosen()
-if NAME == "taichi":
-    import taichi as ti
-else:
-    import quadrants as ti
+with frames_by_file():
+    if NAME == "taichi":
+        import taichi as ti
+    else:
+        import quadrants as ti
 speed_up(NAME)
 VERSION = f"{NAME} {'.'.join(map(str, ti.__version__))}"
 

@@ -32,6 +32,7 @@ SHARPNESS = (0.85, 1.17)  # where that growth begins and ends
 RESOLVED = 1.38  # factor of the latter where several points share a cell
 REHEARSED_S = 0.4  # of stepping
 FEWEST_INTERVALS = 5  # of a rehearsal
+REHEARSED_SHARE = 0.03  # of a run's steps, at most, unless they are fewer than in those intervals
 START_S = 6.0  # of a process: Taichi's start and the compilation of the step
 
 
@@ -90,22 +91,22 @@ def _sharpness(scene: Scene) -> float:
     return min(max(found + SHARPER * math.log2(across / 20.0), SHARPNESS[0]), SHARPNESS[1])
 
 
-def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
+def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float = math.inf) -> float:
     """Seconds that one step takes, from some steps of flow out of a geostatic state; the simulation is left as it was.
 
     Parameters
     ----------
     simulation : not yet begun.
-    seconds : how long to measure; at least five intervals between records are.
+    seconds, most : how long to measure, and how many steps; at least five intervals between records are.
 
     """
     model, solver, points = simulation.model, simulation.solver, simulation.model.particles.arrays()
     model.particles.load(_at_rest(model, points))
     speed = 0.0 if model.scene.flow.outflow == "gravity" else model.scene.flow.speed_m_per_s  # the gate stays shut
     rates: list[float] = []
-    end = time.monotonic() + seconds
+    end, done = time.monotonic() + seconds, 0
     with contextlib.suppress(RunFailed):  # a run that cannot go on will say so itself
-        while len(rates) < FEWEST_INTERVALS or time.monotonic() < end:
+        while len(rates) < FEWEST_INTERVALS or (time.monotonic() < end and done < most):
             sums = solver.point_sums()
             if sums.strays:
                 break
@@ -116,6 +117,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S) -> float:
             solver.advance(count, model.interval / count, gravity, (-speed if rates else 0.0, -speed))
             solver.impulses.read_and_reset()  # waits for the device
             rates.append((time.perf_counter() - started) / count)
+            done += count
     model.particles.load(points)
     model.grid.memory.fill(0.0)
     solver.surfaces.clear()
@@ -144,4 +146,5 @@ def predict(simulation: Simulation) -> Cost:
     """The cost of a run, before it starts."""
     scene = simulation.scene
     number = steps(scene)
-    return Cost(scene.points, number, number * rehearse(simulation) * runtime.threads())
+    pace = rehearse(simulation, most=REHEARSED_SHARE * number)
+    return Cost(scene.points, number, number * pace * runtime.threads())

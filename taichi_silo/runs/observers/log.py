@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 
-from taichi_silo.mpm import runtime
+from taichi_silo.mpm import language, runtime
 from taichi_silo.runs.observers import Observer
 
 PART = 0.1  # of the simulated time between two lines on how far it is
@@ -29,7 +29,7 @@ class Log(Observer):
         scene = simulation.scene
         self.stream = open(self.file, "a", buffering=1, encoding="utf-8")  # noqa: SIM115 - see end()
         self.say(
-            f"begins: taichi-silo {version('taichi-silo')}, taichi {version('taichi')}, Python "
+            f"begins: taichi-silo {version('taichi-silo')}, {language.VERSION}, Python "
             f"{platform.python_version()}, {platform.machine()}; {scene.points} points, {scene.machine.arch}, "
             f"{runtime.threads()} threads"
         )

@@ -15,6 +15,7 @@ PROGRAM = {  # what no scene has
     "program.taichi_silo": "version",
     "program.revision": "of the source",
     "program.taichi": "version",
+    "program.quadrants": "version",
     "program.python": "version",
     "program.precision": "of all numbers",
     "program.wall_seconds": "of the whole run, films and files included",
