@@ -40,8 +40,8 @@ def of_method(scene: Scene) -> list[str]:
         )
     if method.stress_update != "last":
         found.append(
-            f"Updating the stress in the order {method.stress_update} damps nothing: dense sand between smooth walls "
-            "ratchets in spite of the noise control, and N is a quarter too high after filling."
+            f"Updating the stress in the order {method.stress_update} damps nothing: N of dense sand between smooth "
+            "walls is 12 % too high after filling in spite of the noise control."
         )
     shape = SHAPES[scene.grid.shape]
     fraction = shape(0.5 / scene.grid.points_per_cell**0.5).stable_fraction
@@ -134,6 +134,4 @@ def _of_outlet(scene: Scene) -> list[str]:
         )
     if scene.silo.hopper is not None or scene.silo.inserts:
         found.append("On inclined walls single rows of the grid mean little; means over 50 mm do.")
-    if scene.flow.outflow == "gravity":
-        found.append("The noise control slows true transients that are shorter than some 40 ms (in the silo of 0.5 m).")
     return found

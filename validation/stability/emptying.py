@@ -67,7 +67,8 @@ def empty(
     half = round(0.5 * (outlet_m or 0.0) / cell)
     opened = () if outlet_m is None else (OpenFloor(floor_node, centre - half, centre + half, floor.contact),)
     body = Solver(particles, grid, shape, law, (*sides, *opened), NoiseControl(relaxation=control.relaxation))
-    gone = Discharge(particles, exit_m=cell)
+    # height 0 of this grid is the bottom of the box, into which the sand falls
+    gone = Discharge(particles, exit_m=cell, opening_m=(0.0, width), spacing_m=cell / per_axis)
     first = float(particles.arrays()["mass"].sum())
     low, high, time, last, marks, bad = math.inf, -math.inf, 0.0, 0.0, {}, 0
     while time < longest and particles.active[None] and time - last < 0.5:
