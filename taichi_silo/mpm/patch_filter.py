@@ -10,12 +10,18 @@ of, and back with the slope that they have there. P leaves linear fields as they
 between scattered points too, and takes out what alternates between points of a cell, or between cells. The filter
 subtracts a share of what four passes of 1 - P leave,
 
-    sigma_p <- sigma_p - (1 - exp(-gamma_p / STRAIN)) [(1 - P)^4 sigma]_p
+    sigma_p <- sigma_p - (1 - exp(-m_p gamma_p / STRAIN)) [(1 - P)^4 sigma]_p
 
-where gamma_p is the path length of the point's strain since the filter's last turn. Nothing happens to sand at rest or
-to a body that only moves, and the error is of eighth order in the cell size. What P does not know at all fades as
-exp(-gamma / STRAIN) whatever the turns; what it half knows fades the more, the more turns share a strain, so turns
-follow each other by the way of the points (`TURN`), whatever the time step.
+where gamma_p is the path length of the point's strain since the filter's last turn, and m_p = 1 - exp(-(l_p / l)^2),
+l_p being its whole path, grows as the sand forgets. Nothing happens to sand at rest, to a body that only moves, to an
+elastic one, nor, but for parts in a thousand, to sand that is being filled, and the error is of eighth order in the
+cell size. The filter must not act earlier: beside walls that cut cells, equilibrium of the nodes needs stresses that
+vary from cell to cell. Where they fade, sand strains until it has them again, which makes them fade again: it creeps,
+and in a hopper N after filling is half as large again. With one point a cell they are larger, and l is five times as
+long there.
+
+What P does not know at all fades as exp(-m gamma / STRAIN) whatever the turns; what it half knows fades the more, the
+more turns share a strain, so turns follow each other by the way of the points (`TURN`), whatever the time step.
 """
 
 import contextlib
@@ -35,6 +41,8 @@ from taichi_silo.mpm.simd.vectors import arrays_of_eight, compiling_simd, eight
 
 PASSES = 4
 STRAIN = 3e-4  # over which a pattern falls to 1 / e
+FORGETS = 0.02  # l: path of the strain, over which sand forgets its stress
+FORGETS_BESIDE_SURFACES = 0.1  # the same for one point a cell where walls cut cells
 TURN = 3e-3  # of a cell: way of the fastest point between two turns of the filter
 MOST_STEPS = 2000  # between them
 FINITE = 1e30  # a larger stress [Pa] is none
@@ -73,6 +81,8 @@ class PatchFilter:
         self.particles, self.grid, self.law, self.mirrored = particles, grid, law, mirrored
         self.weights = UniformGimp(0.5)
         self.path = ti.field(real, shape=particles.count)  # of the strain at the last turn
+        self.ACTIVE = self.BETWEEN_LAUNCHES = getattr(law, "FORGETS", True)
+        self.forgets = FORGETS
         self.revision, self.way, self.steps = -1, 0.0, 0  # of the points; way [cells] and steps since the last turn
         self.shared = not runtime.is_cpu()
         self.strips = 1 if self.shared else STRIPS
@@ -153,8 +163,10 @@ class PatchFilter:
     @ti.kernel
     def _fade(self, points: arrays_of_eight):
         for p in range(self.particles.active[None]):
-            share = 1.0 - ti.exp((self.path[p] - self.particles.path[p]) / STRAIN)
-            self.path[p] = self.particles.path[p]
+            path = self.particles.path[p]
+            forgets = 1.0 - ti.exp(-((path / self.forgets) ** 2))
+            share = 1.0 - ti.exp(forgets * (self.path[p] - path) / STRAIN)
+            self.path[p] = path
             if points[2 * p + 1][0] > 0.0:
                 s, left = self.particles.stress[p], points[2 * p]
                 e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0

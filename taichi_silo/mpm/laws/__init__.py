@@ -24,6 +24,8 @@ The contract of a law, a frozen dataclass (so that equal laws share one compiled
 `REMEMBERS`
     whether the points carry a tensor h of past strain for it. If so, also `radius` (the bound of |h|),
     `memory_rate(h, D)`, its Jaumann rate, and `bounded_memory(h)`, h pulled back to its bound.
+`FORGETS`
+    whether sheared sand loses the memory of its stress, so that the patch filter is of use; yes, if absent.
 
 `integrate.update` drives any of them over a step. A new law is one file with these members.
 """

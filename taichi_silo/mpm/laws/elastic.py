@@ -16,7 +16,7 @@ class Elastic:
 
     loosest: float = 1e30
 
-    REMEMBERS = False
+    REMEMBERS = FORGETS = False
     degree = 0.0
 
     @property
