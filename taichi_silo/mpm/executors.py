@@ -187,10 +187,10 @@ class Tasks(Executor):
         self.store, self.particles, self.grid = store, store.particles, store.grid
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
-        """Launches of BURST steps, then of one."""
-        number = done
+        """Launches of some steps, then of one."""
+        burst, number = 1 if runtime.lacks_functions() else BURST, done
         while number < done + count:
-            together = BURST if done + count - number >= BURST else 1
+            together = burst if done + count - number >= burst else 1
             self._steps(number, together, steps, dt, *schedule)
             number += together
 
@@ -202,9 +202,10 @@ class Tasks(Executor):
         for number in ti.static(range(count)):
             for over, run, option in ti.static(self.phases):
                 if ti.static(over in (SCATTER, POINTS)):
-                    for p in range(self.particles.active[None]):
-                        step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
-                        run(self.store, p, 0, step, option)
+                    for p in range(self.particles.places()):
+                        if self.particles.is_there(p):
+                            step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
+                            run(self.store, p, 0, step, option)
                 elif ti.static(over == NODES):
                     for k in range(self.grid.nodes):
                         step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)

@@ -9,7 +9,7 @@ import taichi as ti
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.contracts import Kernel
 from taichi_silo.mpm.particles import Particles
-from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.runtime import real, whole_numbers
 
 MOST_PAIRS = 500_000_000  # 6 GB
 MOST_BINS = 4_000_000
@@ -67,8 +67,8 @@ class NeighbourRows:
         self.origin: dict[str, np.ndarray] = {}
         count = particles.count
         self.room = count**2 if alike_along_x else most_pairs(radius, spacing_m, count)
-        self.start = ti.field(ti.i32, shape=count + 2)
-        self.neighbour = ti.field(ti.i32, shape=self.room)
+        self.start = whole_numbers(count + 2)
+        self.neighbour = whole_numbers(self.room)
         self.share = ti.field(real, shape=self.room)
         self.place = ti.Vector.field(2, real, shape=count)
         self.sand = ti.field(real, shape=count)  # share of the kernel on this side of the rigid planes
@@ -151,7 +151,9 @@ class NeighbourRows:
     @ti.kernel
     def _moved(self) -> real:
         most = 0.0
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             ti.atomic_max(most, self._distance(self.particles.position[p], self.place[p]))
         return most
 
@@ -160,7 +162,9 @@ class NeighbourRows:
         self, order: ti.types.ndarray(), first: ti.types.ndarray(), bins: ti.types.ndarray(), across: ti.i32,
         rows: ti.i32, length: ti.types.ndarray(),
     ):  # fmt: skip
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             here = self.particles.position[p]
             found = 0
             for row in range(ti.max(bins[p, 1] - 1, 0), ti.min(bins[p, 1] + 2, rows)):
@@ -176,7 +180,9 @@ class NeighbourRows:
         self, order: ti.types.ndarray(), first: ti.types.ndarray(), bins: ti.types.ndarray(), across: ti.i32,
         rows: ti.i32,
     ):  # fmt: skip
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             here = self.particles.position[p]
             self.place[p] = here
             at, total = self.start[p], 0.0

@@ -31,6 +31,7 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.shapes.ugimp import UniformGimp
 from taichi_silo.mpm.simd import selftest
+from taichi_silo.mpm.simd.lane_maths import exp_minus
 from taichi_silo.mpm.simd.vectors import arrays_of_eight, compiling_simd, eight
 
 PASSES = 4
@@ -136,12 +137,16 @@ class PatchFilter:
 
     @ti.kernel
     def _note_paths(self):
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             self.path[p] = self.particles.path[p]
 
     @ti.kernel
     def _read(self, points: arrays_of_eight):
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             s, weight = self.particles.stress[p], self.particles.volume[p]
             x = self.particles.position[p][0] / self.grid.cell_size
             y = self.particles.position[p][1] / self.grid.cell_height(0)
@@ -152,8 +157,10 @@ class PatchFilter:
 
     @ti.kernel
     def _fade(self, points: arrays_of_eight):
-        for p in range(self.particles.active[None]):
-            share = 1.0 - ti.exp((self.path[p] - self.particles.path[p]) / STRAIN)
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
+            share = 1.0 - exp_minus((self.particles.path[p] - self.path[p]) / STRAIN)
             self.path[p] = self.particles.path[p]
             if points[2 * p + 1][0] > 0.0:
                 s, left = self.particles.stress[p], points[2 * p]
@@ -170,7 +177,9 @@ class PatchFilter:
         # pass 0 gives the stresses to the nodes, each later one what the one before it has left of them
         for number in ti.static(range(PASSES + 1)):
             if ti.static(self.shared):
-                for p in range(self.particles.active[None]):
+                for p in range(self.particles.places()):
+                    if not self.particles.is_there(p):
+                        continue
                     self._point(number, points, sums, means, centres, 0, p)
             else:
                 ti.loop_config(block_dim=1)

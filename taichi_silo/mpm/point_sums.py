@@ -48,7 +48,9 @@ class PointSums:
     def _greatest_squared_speed(self) -> real:
         greatest = ti.cast(0.0, real)
         ti.loop_config(serialize=ti.static(not self.shared))
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             ti.atomic_max(greatest, self.particles.velocity[p].norm_sqr())
         return greatest
 
@@ -60,7 +62,9 @@ class PointSums:
             self.found[7], self.found[8], self.found[9] = 0.0, 0.0, 0.0
         if ti.static(not self.shared):
             ti.loop_config(serialize=True)  # sums in a fixed order, so that runs repeat themselves
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             v, x, s = self.particles.velocity[p], self.particles.position[p], self.particles.stress[p]
             m, volume = self.particles.mass[p], self.particles.volume[p]
             e = volume * self.law.grain_density / m - 1.0
