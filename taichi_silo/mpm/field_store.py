@@ -5,6 +5,8 @@ the vector unit holds (`simd.store`). A store offers
 
 `read(name, p)`, `write(name, p, value)`
     a field of point p (see `Particles`): a value, or a tuple of its components.
+`takes(patch, k)`, `add(sums, k, value)`
+    whether what a point gives through a patch to entry k of a sum is wanted here, and the addition.
 `keep(field, p, value)`, `kept(field, p)`, `each(function, p)`
     the entry of point p in a scalar field by points, and the value of a function of the point's number.
 `gather(field, p, t)`
@@ -32,6 +34,11 @@ class Fields:
     def __init__(self, particles: Particles, grid: Grid, shape: Shape, atomic: bool):
         self.particles, self.grid, self.shape, self.atomic = particles, grid, shape, atomic
         self.read, self.write = particles.read, particles.write
+
+    @ti.func
+    def takes(self, patch: ti.template(), k):
+        """Whether entry k of a sum is given anything: always."""
+        return True
 
     @ti.func
     def add(self, sums: ti.template(), k, value):

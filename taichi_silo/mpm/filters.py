@@ -14,7 +14,7 @@ A filtered stress is pulled back to what the law admits.
 import taichi as ti
 
 from taichi_silo.mpm.contracts import Law
-from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Phase
+from taichi_silo.mpm.executors import COLLECT, NODES, POINTS, Phase
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.patch_filter import PatchFilter
@@ -42,7 +42,7 @@ class CellFilter:
 
     def phases(self) -> list[Phase]:
         """Points to cells, cells, cells to points."""
-        return [Phase(SCATTER, self.collect), Phase(NODES, self.settle), Phase(POINTS, self.apply)]
+        return [Phase(COLLECT, self.collect), Phase(NODES, self.settle), Phase(POINTS, self.apply)]
 
     @ti.func
     def cell(self, p, t):

@@ -47,19 +47,20 @@ def scatter(
             for a in ti.static(range(shape.NODES)):
                 column, row = ti.cast(i, ti.i32) + a, ti.cast(j, ti.i32) + b
                 k = t * fields.grid.nodes + fields.grid.node(column, row)
-                s, dx, dy = sx[a] * sy[b], gx[a] * sy[b], sx[a] * gy[b]
-                if ti.static(motion):
-                    given = ti.Vector([mvx, mvy])
-                    if ti.static(transfer.GRADIENT != "none"):
-                        L, r = (
-                            fields.particles.affine[p],
-                            offset_of_node(fields.particles, fields.grid, p, t, column, row),
-                        )
-                        given += m * ti.Vector([L[0] * r[0] + L[1] * r[1], L[2] * r[0] + L[3] * r[1]])
-                    fields.add(fields.grid.mass, k, s * m)
-                    fields.add(fields.grid.momentum, k, s * given)
-                if ti.static(force):
-                    fields.add(fields.grid.force, k, ti.Vector([s * hoop + dx * xx + dy * yx, dx * xy + dy * yy]))
+                if fields.takes(patch, k):
+                    s, dx, dy = sx[a] * sy[b], gx[a] * sy[b], sx[a] * gy[b]
+                    if ti.static(motion):
+                        given = ti.Vector([mvx, mvy])
+                        if ti.static(transfer.GRADIENT != "none"):
+                            L, r = (
+                                fields.particles.affine[p],
+                                offset_of_node(fields.particles, fields.grid, p, t, column, row),
+                            )
+                            given += m * ti.Vector([L[0] * r[0] + L[1] * r[1], L[2] * r[0] + L[3] * r[1]])
+                        fields.add(fields.grid.mass, k, s * m)
+                        fields.add(fields.grid.momentum, k, s * given)
+                    if ti.static(force):
+                        fields.add(fields.grid.force, k, ti.Vector([s * hoop + dx * xx + dy * yx, dx * xy + dy * yy]))
 
 
 @ti.func
@@ -70,4 +71,5 @@ def second_scatter(fields: ti.template(), shape: ti.template(), p, t, velocity):
         for b in ti.static(range(shape.NODES)):
             for a in ti.static(range(shape.NODES)):
                 k = t * fields.grid.nodes + fields.grid.node(ti.cast(i, ti.i32) + a, ti.cast(j, ti.i32) + b)
-                fields.add(fields.grid.momentum, k, fields.particles.mass[p] * sx[a] * sy[b] * velocity)
+                if fields.takes(patch, k):
+                    fields.add(fields.grid.momentum, k, fields.particles.mass[p] * sx[a] * sy[b] * velocity)

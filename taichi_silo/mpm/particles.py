@@ -42,8 +42,11 @@ class Particles:
             width, kind = self.WIDTHS.get(name), real_place if name == "position" else real
             setattr(self, name, ti.Vector.field(width, kind) if width else ti.field(kind))
         self.fields = {name: getattr(self, name) for name in self.names}
-        # one record a point: a point's data lie in two neighbouring cache lines
-        ti.root.dense(ti.i, count).place(*(getattr(self, name) for name in self.names))
+        if is_cpu():  # one record a point: a point's data lie in two neighbouring cache lines
+            ti.root.dense(ti.i, count).place(*self.fields.values())
+        else:  # threads beside each other read what lies side by side
+            for field in self.fields.values():
+                ti.root.dense(ti.i, count).place(field)
         self.active = whole_numbers()
         self.active[None] = count
 

@@ -5,24 +5,28 @@ from collections.abc import Iterable, Sequence
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import taichi as ti
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Filter, Law, Shape, Transfer, Wall
-from taichi_silo.mpm.executors import NODES, POINTS, ROWS, SCATTER, Executor, Phase, Tasks, Threads
+from taichi_silo.mpm.executors import NODES, POINTS, ROWS, SCATTER, Executor, Phase, Threads
 from taichi_silo.mpm.field_store import Fields
 from taichi_silo.mpm.filters import Unfiltered
 from taichi_silo.mpm.g2p import affine_of, at_point, deform, gradient_of, move, respond
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.grid_update import integrate_node, second_velocity_of_node
+from taichi_silo.mpm.nodal_impulses import NodalImpulses
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import Local, NonLocal
 from taichi_silo.mpm.p2g import scatter, second_scatter
+from taichi_silo.mpm.partial_sums import PartialSums
 from taichi_silo.mpm.particles import Particles
-from taichi_silo.mpm.point_sums import PointSums
+from taichi_silo.mpm.point_sums import KINDS, PointSums
 from taichi_silo.mpm.simd import selftest
 from taichi_silo.mpm.simd.executor import Simd, hindrance
+from taichi_silo.mpm.tasks import Tasks
 from taichi_silo.mpm.tensors import norm
 from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.mpm.wall_impulses import Impulses
@@ -55,7 +59,7 @@ class Solver:
     surfaces : walls of `taichi_silo.mpm.walls.surfaces` that do not follow the grid.
     friction_delay_s : time in which friction at walls follows the normal force [s] (see `walls.friction`); 0: at once;
         None: that in which a wave crosses the points' lesser extent three times. For bodies that rebound, 0.
-    shared : whether a phase is one parallel task with atomic sums; None: on a GPU.
+    shared : whether a phase is one parallel task; None: on a GPU.
     simd : whether eight points go at once; None: wherever that is possible and can be trusted on this machine.
 
     Attributes
@@ -101,15 +105,18 @@ class Solver:
         if rubs and friction_delay_s != 0.0:
             stations = self.surfaces.count if surfaces else 0
             self.friction = Delayed(particles, grid, len(self.walls), stations, friction_delay_s)
-        atomic = not runtime.is_cpu() if shared is None else shared
-        self.impulses = Impulses(len(self.walls) + len(surfaces), grid, atomic)
-        self.sums = PointSums(particles, grid, law, atomic)
-        self.simd_refused = ""
-        self.executor = self._executor(tuple(self.phases()), atomic, simd)
+        on_tasks = not runtime.is_cpu() if shared is None else shared
+        impulses: Any = Impulses(len(self.walls) + len(surfaces), grid)
+        sums = PointSums(particles, grid, law)
+        if on_tasks:
+            impulses = NodalImpulses(self.walls, len(surfaces), grid, first=len(KINDS))
+            sums = PartialSums(particles, grid, law, impulses.report)
+        self.simd_refused, self.impulses, self.sums = "", impulses, sums
+        self.executor = self._executor(tuple(self.phases()), on_tasks, simd)
 
-    def _executor(self, phases: tuple[Phase, ...], atomic: bool, simd: bool | None) -> Executor:
+    def _executor(self, phases: tuple[Phase, ...], on_tasks: bool, simd: bool | None) -> Executor:
         """What runs the phases, as the arguments ask, or the fastest that can be trusted."""
-        obstacle = "its sums are atomic" if atomic else hindrance(self)
+        obstacle = "its phases are parallel tasks" if on_tasks else hindrance(self)
         if simd and obstacle:
             raise ValueError(f"the step cannot run on lanes because {obstacle}")
         if simd is None and not obstacle:
@@ -117,8 +124,8 @@ class Solver:
             simd = not self.simd_refused
         if simd:
             return Simd(phases, self.particles, self.grid, self.shape, self.surroundings)
-        store = Fields(self.particles, self.grid, self.shape, atomic)
-        return Tasks(phases, store) if atomic else Threads(phases, store)
+        store = Fields(self.particles, self.grid, self.shape, on_tasks)
+        return Tasks(phases, store) if on_tasks else Threads(phases, store)
 
     @property
     def threads(self) -> int:
@@ -226,7 +233,18 @@ class Solver:
 
         """
         self.executor.check()
-        found = self.sums.read()
+        return self._with_stable_step(self.sums.read())
+
+    def record(self) -> tuple[np.ndarray, np.ndarray, SimpleNamespace]:
+        """What `impulses.read_and_reset` and `point_sums` give, from tasks in one reading."""
+        if not isinstance(self.sums, PartialSums):
+            return *self.impulses.read_and_reset(), self.point_sums()
+        self.sums.take()
+        self.impulses.take()
+        report = self.impulses.report.to_numpy()
+        return *self.impulses.of_report(report), self._with_stable_step(self.sums.of_report(report))
+
+    def _with_stable_step(self, found: SimpleNamespace) -> SimpleNamespace:
         found.stable_step = found.transit * self.stable_fraction
         return found
 

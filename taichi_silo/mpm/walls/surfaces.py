@@ -177,7 +177,7 @@ class Surfaces:
             p, tau, nx, ny = self.traction[q, 0], self.traction[q, 1], self.fixed[q, 0], self.fixed[q, 1]
             fx, fy = -s * (p * nx - tau * ny), -s * (p * ny + tau * nx)
             x, y = x + fx, y + fy
-            impulses.add_wall(self.wall[q], j, (fx * dt, fy * dt))
+            impulses.add_wall(self.wall[q], j, k, (fx * dt, fy * dt))
         return x, y
 
     @ti.func

@@ -1,4 +1,4 @@
-"""Whoever runs the phases, the step is the same: threads, tasks with atomic sums, eight points at once, a GPU."""
+"""Whoever runs the phases, the step is the same: threads, parallel tasks, eight points at once, a GPU."""
 
 import functools
 
@@ -7,20 +7,21 @@ import pytest
 import taichi as ti
 
 from taichi_silo.mpm import graphics_cards, runtime, solver
-from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Tasks, Threads
+from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Threads
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.laws import Elastic
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import UniformGimp
 from taichi_silo.mpm.simd.executor import Simd
 from taichi_silo.mpm.solver import Solver
+from taichi_silo.mpm.tasks import Tasks, tasks_of
 from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
 from taichi_silo.scene.silo import Hopper, Outlet
 from taichi_silo.simulation.simulation import Simulation
 
 LANES = True  # see conftest.py
 pytestmark = pytest.mark.usefixtures("all_cores")
-ALONE, TWO, ATOMIC, EIGHT, EIGHT_ON_TWO = "one thread", "two threads", "atomic sums", "simd", "simd on two threads"
+ALONE, TWO, TASKS, EIGHT, EIGHT_ON_TWO = "one thread", "two threads", "tasks", "simd", "simd on two threads"
 SMOOTH = Walls(kind="smooth", friction_angle_deg=19.0)
 HOPPER = Silo(width_m=0.1, height_m=0.2, hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.05))
 HALF = Silo(width_m=0.12, height_m=0.2, half="yes")
@@ -56,7 +57,7 @@ def stepped(name, how=ALONE, arch="cpu"):
     threads = 2 if how in (TWO, EIGHT_ON_TWO) else 1
     runtime.init(arch, threads=threads)
     given = {"silo": Silo(width_m=0.1, height_m=0.2, half="no"), "grid": Mesh(cell_size_m=0.01)} | SCENES[name]
-    options = {"shared": how == ATOMIC or None, "simd": how in (EIGHT, EIGHT_ON_TWO)}
+    options = {"shared": how == TASKS or None, "simd": how in (EIGHT, EIGHT_ON_TWO)}
     with pytest.MonkeyPatch.context() as patch:
         built = Solver.__init__
         patch.setattr(Solver, "__init__", lambda self, *a, **k: built(self, *a, **(k | options)))
@@ -101,12 +102,12 @@ def test_eight_at_once_on_two_threads_do_what_they_do_on_one_bit_by_bit(name):
 @pytest.mark.parametrize(
     ("name", "how"),
     [
-        ("very rough", TWO), ("very rough", ATOMIC), ("hopper", TWO), ("hopper", ATOMIC), ("non-local", ATOMIC),
-        ("half", TWO), ("half", ATOMIC), ("cpdi xpic null-space", TWO), ("cpgimp first smoothing", ATOMIC),
-        ("bspline apic modified half", TWO), ("bspline apic modified half", ATOMIC),
+        ("very rough", TWO), ("very rough", TASKS), ("hopper", TWO), ("hopper", TASKS), ("non-local", TASKS),
+        ("half", TWO), ("half", TASKS), ("cpdi xpic null-space", TWO), ("cpgimp first smoothing", TASKS),
+        ("bspline apic modified half", TWO), ("bspline apic modified half", TASKS),
         *(
             pytest.param(name, how, marks=pytest.mark.long)
-            for name, how in [("non-local", TWO), ("cpdi xpic null-space", ATOMIC), ("cpgimp first smoothing", TWO)]
+            for name, how in [("non-local", TWO), ("cpdi xpic null-space", TASKS), ("cpgimp first smoothing", TWO)]
         ),
     ],
 )  # fmt: skip
@@ -136,10 +137,25 @@ def test_a_graphics_card_does_the_same_step_to_round_off(name, arch):
     assert_equal(fields(name), stepped(name, None, arch)[0], 1e-10)
 
 
-@pytest.mark.parametrize("how", [ALONE, TWO])
-def test_threads_repeat_themselves_bit_by_bit(how):
+@pytest.mark.parametrize("how", [ALONE, TWO, TASKS])
+def test_threads_and_tasks_repeat_themselves_bit_by_bit(how):
     again = stepped("very rough", how)[0]
     assert all((field == again[name]).all() for name, field in fields("very rough", how).items())
+
+
+@pytest.mark.parametrize("arch", CARDS)
+@pytest.mark.parametrize("name", ["very rough", pytest.param("hopper", marks=pytest.mark.long)])
+def test_a_graphics_card_repeats_itself_bit_by_bit(name, arch):
+    """Though its threads come in any order."""
+    one, other = stepped(name, None, arch)[0], stepped(name, None, arch)[0]
+    assert all((field == other[key]).all() for key, field in one.items())
+
+
+def test_a_node_moves_in_the_task_in_which_it_takes_what_its_points_give():
+    phases = tuple(block(shared=True).phases())
+    nodes, points = tasks_of(phases, stretches=False)
+    assert (nodes.over, nodes.takes, nodes.runs, points.over, points.enter) == (NODES, True, True, POINTS, True)
+    assert [task.over for task in tasks_of(phases, stretches=True)] == [NODES, POINTS, None, POINTS]
 
 
 def block(threads=1, **options):
