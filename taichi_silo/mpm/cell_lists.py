@@ -33,6 +33,7 @@ class CellLists:
     member          patch * node * room     their numbers
     crowd           point * patch           numbers of those that found no room, by patches
     crowded         turn, patch             how many there are
+    first_of_crowd  patch, point            node at which the patch of such a point begins
     ==============  ======================  ====================================================================
 
     """
@@ -44,6 +45,7 @@ class CellLists:
         self.member = whole_numbers(shape.PATCHES * grid.nodes * self.room)
         self.crowd = whole_numbers(particles.count * shape.PATCHES)
         self.crowded = whole_numbers(2, shape.PATCHES)
+        self.first_of_crowd = whole_numbers(shape.PATCHES, particles.count)
 
     def _room(self) -> int:
         place = self.particles.position.to_numpy()[: self.particles.active[None]] / self.grid.cell_size
@@ -83,13 +85,14 @@ class CellLists:
             else:
                 further = ti.atomic_add(self.crowded[turn, patch], 1)
                 self.crowd[patch * self.particles.count + further] = p
+                self.first_of_crowd[patch, p] = own - patch * self.grid.nodes
 
     @ti.func
     def before(self, i, j, a, b):
         """Number of the node a columns and b rows before node (i, j); -1 if there is none."""
         column, row = i - a, j - b
         if ti.static(self.grid.periodic):
-            column = (column + self.grid.columns) % self.grid.columns
+            column = column % self.grid.columns
         number = row * self.grid.columns + column
         if row < 0 or column < 0:
             number = -1
@@ -97,21 +100,21 @@ class CellLists:
 
     @ti.func
     def ask(self, visitor: ti.template(), patch: ti.template(), i, j, turn):
-        """Let a visitor `visit` the points that touch node (i, j) through a patch, and perhaps some that do not."""
-        nodes = ti.static(self.shape.NODES)
-        across = ti.static(min(nodes, self.grid.columns) if self.grid.periodic else nodes)
-        for n in range(nodes * across):
-            first = self.before(i, j, n % across, n // across)
+        """Let a visitor `visit(p, a, b)` the points whose patch begins a columns and b rows before node (i, j)."""
+        for n in range(self.shape.NODES * self.shape.NODES):
+            a, b = n % self.shape.NODES, n // self.shape.NODES
+            first = self.before(i, j, a, b)
             if first >= 0:
                 own = patch * self.grid.nodes + first
                 count, p = ti.min(self.length[turn, own], self.room), -1
                 for _ in range(count):
                     p = self.following(self.member, own * self.room, count, p)
-                    visitor.visit(p)
-        count, p = self.crowded[turn, patch], -1
-        for _ in range(count):
-            p = self.following(self.crowd, patch * self.particles.count, count, p)
-            visitor.visit(p)
+                    visitor.visit(p, a, b)
+                crowd, q = self.crowded[turn, patch], -1
+                for _ in range(crowd):
+                    q = self.following(self.crowd, patch * self.particles.count, crowd, q)
+                    if self.first_of_crowd[patch, q] == first:
+                        visitor.visit(q, a, b)
 
     @ti.func
     def following(self, numbers: ti.template(), begin, count, last):

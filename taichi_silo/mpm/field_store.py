@@ -5,8 +5,9 @@ the vector unit holds (`simd.store`). A store offers
 
 `read(name, p)`, `write(name, p, value)`
     a field of point p (see `Particles`): a value, or a tuple of its components.
-`takes(patch, k)`, `add(sums, k, value)`
-    whether what a point gives through a patch to entry k of a sum is wanted here, and the addition.
+`patches()`, `touched(p, t, patch)`, `add(sums, k, value)`
+    through which patches a point gives, to which nodes and with which weights (see `point_weights.weights`), and the
+    addition to entry k of a sum.
 `keep(field, p, value)`, `kept(field, p)`, `each(function, p)`
     the entry of point p in a scalar field by points, and the value of a function of the point's number.
 `gather(field, p, t)`
@@ -25,6 +26,7 @@ from taichi_silo.mpm import g2p
 from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.particles import Particles
+from taichi_silo.mpm.point_weights import weights
 
 
 @ti.data_oriented
@@ -35,10 +37,14 @@ class Fields:
         self.particles, self.grid, self.shape, self.atomic = particles, grid, shape, atomic
         self.read, self.write = particles.read, particles.write
 
+    def patches(self) -> tuple[int, ...]:
+        """Numbers of the patches through which points give."""
+        return tuple(range(self.shape.PATCHES))
+
     @ti.func
-    def takes(self, patch: ti.template(), k):
-        """Whether entry k of a sum is given anything: always."""
-        return True
+    def touched(self, p, t, patch: ti.template()):
+        """First column, weights and derivatives along x, first row, the same along y, of the nodes point p gives to."""
+        return weights(self, self.grid, self.shape, p, t, patch)
 
     @ti.func
     def add(self, sums: ti.template(), k, value):

@@ -12,37 +12,52 @@ def same(one: object, other: object) -> bool:
     return one is other
 
 
+@ti.func
+def chosen(values: ti.template(), number):
+    """The value of that number among some that stand in a tuple."""
+    found = values[0]
+    for n in ti.static(range(1, len(values))):
+        found = ti.select(number == n, values[n], found)
+    return found
+
+
 @ti.data_oriented
 class OneNode:
-    """Takes of what a point gives through one of its patches only what is for one node.
+    """Takes of what a point gives through one of its patches what is for one node.
 
     Parameters
     ----------
     fields : the store of points and nodes.
     patch : number of the patch.
-    k : the node.
     sums : mass, momentum and force, variables of the kernel to which is added.
+    place : columns and rows from the first node of the patch to this one; variables of the kernel.
     run, step, option : function of the phase, and its last arguments.
 
     """
 
-    def __init__(self, fields: Fields, patch: int, k: Any, sums: tuple, run: Any, step: Any, option: Any):
-        self.particles, self.grid, self.read = fields.particles, fields.grid, fields.read
-        self.patch, self.k, (self.mass, self.momentum, self.force) = patch, k, sums
+    def __init__(self, fields: Fields, patch: int, sums: tuple, place: tuple, run: Any, step: Any, option: Any):
+        self.fields, self.particles, self.grid, self.read = fields, fields.particles, fields.grid, fields.read
+        self.patch, (self.mass, self.momentum, self.force), (self.a, self.b) = patch, sums, place
         self.run, self.step, self.option = run, step, option
 
     @ti.func
-    def visit(self, p):
-        """Let point p give."""
+    def visit(self, p, a, b):
+        """Let point p give, a columns and b rows from the first node of its patch."""
+        self.a, self.b = a, b
         self.run(self, p, 0, self.step, self.option)
 
+    def patches(self) -> tuple[int, ...]:
+        """The one."""
+        return (self.patch,)
+
     @ti.func
-    def takes(self, patch: ti.template(), k):
-        """Whether this is the patch and the node."""
-        taken = False
-        if ti.static(patch == self.patch):
-            taken = k == self.k
-        return taken
+    def touched(self, p, t, patch: ti.template()):
+        """Column of the node, its weight and derivative along x, its row, the same along y."""
+        i, sx, gx, j, sy, gy = self.fields.touched(p, t, patch)
+        return (
+            i + self.a, (chosen(sx, self.a),), (chosen(gx, self.a),),
+            j + self.b, (chosen(sy, self.b),), (chosen(gy, self.b),),
+        )  # fmt: skip
 
     @ti.func
     def add(self, sums: ti.template(), k, value):
@@ -58,9 +73,9 @@ class OneNode:
 @ti.func
 def take(fields: ti.template(), lists: ti.template(), k, turn, run: ti.template(), step, option: ti.template()):
     """Add to the sums of node k what the function `run` of a phase lets the points of its lists give."""
-    mass, momentum, force = 0.0 * step.dt, ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
-    for patch in ti.static(range(lists.shape.PATCHES)):
-        for node in ti.static([OneNode(fields, patch, k, (mass, momentum, force), run, step, option)]):
+    mass, momentum, force, a, b = 0.0 * step.dt, ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0]), 0, 0
+    for patch in ti.static(fields.patches()):
+        for node in ti.static([OneNode(fields, patch, (mass, momentum, force), (a, b), run, step, option)]):
             lists.ask(node, patch, k % fields.grid.columns, k // fields.grid.columns, turn)
     fields.grid.mass[k] = fields.grid.mass[k] + mass
     fields.grid.momentum[k] = fields.grid.momentum[k] + momentum

@@ -16,7 +16,7 @@ number of the thread, which says which copy of the sums and of the grid's height
 
 import taichi as ti
 
-from taichi_silo.mpm.point_weights import offset_of_node, weights
+from taichi_silo.mpm.point_weights import offset_of_node
 from taichi_silo.mpm.tensors import shifted
 
 
@@ -36,40 +36,38 @@ def point_contributions(points: ti.template(), grid: ti.template(), surroundings
 
 @ti.func
 def scatter(
-    fields: ti.template(), shape: ti.template(), transfer: ti.template(), surroundings: ti.template(), p, t,
-    motion: ti.template(), force: ti.template(),
+    fields: ti.template(), transfer: ti.template(), surroundings: ti.template(), p, t, motion: ti.template(),
+    force: ti.template(),
 ):  # fmt: skip
     """Add mass and momentum (`motion`) and internal force (`force`) of point p to the sums of its nodes."""
     m, mvx, mvy, hoop, xx, xy, yx, yy = point_contributions(fields, fields.grid, surroundings, p, t)
-    for patch in ti.static(range(shape.PATCHES)):
-        i, sx, gx, j, sy, gy = weights(fields, fields.grid, shape, p, t, patch)
-        for b in ti.static(range(shape.NODES)):
-            for a in ti.static(range(shape.NODES)):
+    for patch in ti.static(fields.patches()):
+        i, sx, gx, j, sy, gy = fields.touched(p, t, patch)
+        for b in ti.static(range(len(sy))):
+            for a in ti.static(range(len(sx))):
                 column, row = ti.cast(i, ti.i32) + a, ti.cast(j, ti.i32) + b
                 k = t * fields.grid.nodes + fields.grid.node(column, row)
-                if fields.takes(patch, k):
-                    s, dx, dy = sx[a] * sy[b], gx[a] * sy[b], sx[a] * gy[b]
-                    if ti.static(motion):
-                        given = ti.Vector([mvx, mvy])
-                        if ti.static(transfer.GRADIENT != "none"):
-                            L, r = (
-                                fields.particles.affine[p],
-                                offset_of_node(fields.particles, fields.grid, p, t, column, row),
-                            )
-                            given += m * ti.Vector([L[0] * r[0] + L[1] * r[1], L[2] * r[0] + L[3] * r[1]])
-                        fields.add(fields.grid.mass, k, s * m)
-                        fields.add(fields.grid.momentum, k, s * given)
-                    if ti.static(force):
-                        fields.add(fields.grid.force, k, ti.Vector([s * hoop + dx * xx + dy * yx, dx * xy + dy * yy]))
+                s, dx, dy = sx[a] * sy[b], gx[a] * sy[b], sx[a] * gy[b]
+                if ti.static(motion):
+                    given = ti.Vector([mvx, mvy])
+                    if ti.static(transfer.GRADIENT != "none"):
+                        L, r = (
+                            fields.particles.affine[p],
+                            offset_of_node(fields.particles, fields.grid, p, t, column, row),
+                        )
+                        given += m * ti.Vector([L[0] * r[0] + L[1] * r[1], L[2] * r[0] + L[3] * r[1]])
+                    fields.add(fields.grid.mass, k, s * m)
+                    fields.add(fields.grid.momentum, k, s * given)
+                if ti.static(force):
+                    fields.add(fields.grid.force, k, ti.Vector([s * hoop + dx * xx + dy * yx, dx * xy + dy * yy]))
 
 
 @ti.func
-def second_scatter(fields: ti.template(), shape: ti.template(), p, t, velocity):
+def second_scatter(fields: ti.template(), p, t, velocity):
     """Add the momentum of point p at another velocity (x, y) [m/s] to the sums of its nodes once more."""
-    for patch in ti.static(range(shape.PATCHES)):
-        i, sx, _gx, j, sy, _gy = weights(fields, fields.grid, shape, p, t, patch)
-        for b in ti.static(range(shape.NODES)):
-            for a in ti.static(range(shape.NODES)):
+    for patch in ti.static(fields.patches()):
+        i, sx, _gx, j, sy, _gy = fields.touched(p, t, patch)
+        for b in ti.static(range(len(sy))):
+            for a in ti.static(range(len(sx))):
                 k = t * fields.grid.nodes + fields.grid.node(ti.cast(i, ti.i32) + a, ti.cast(j, ti.i32) + b)
-                if fields.takes(patch, k):
-                    fields.add(fields.grid.momentum, k, fields.particles.mass[p] * sx[a] * sy[b] * velocity)
+                fields.add(fields.grid.momentum, k, fields.particles.mass[p] * sx[a] * sy[b] * velocity)

@@ -11,6 +11,7 @@ import taichi as ti
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.cell_lists import CellLists
 from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.one_node import chosen
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.shapes.ugimp import UniformGimp
@@ -80,7 +81,7 @@ class PatchPasses:
             ti.loop_config(block_dim=1)
             for strip in range(self.strips):
                 for p in range(self._first(strip), self._first(strip + 1)):
-                    self._point(number, points, sums, means, centres, strip, p, number > 0, number < PASSES, 0)
+                    self._point(number, points, sums, means, centres, strip, p, number > 0, number < PASSES, 0, 0)
             if ti.static(number < PASSES and self.mirrored):
                 for j in range(self.grid.rows):
                     self._fold(sums, j)
@@ -96,10 +97,10 @@ class PatchPasses:
             if ti.static(number > 0):
                 for p in range(self.particles.count):
                     if self.particles.is_there(p):
-                        self._point(number, points, sums, means, centres, 0, p, True, False, 0)
+                        self._point(number, points, sums, means, centres, 0, p, True, False, 0, 0)
             if ti.static(number < PASSES):
                 for k in range(self.grid.nodes):
-                    for given in ti.static([Given(self, number, points, sums, means, centres, k)]):
+                    for given in ti.static([Given(self, number, points, sums, means, centres)]):
                         self.lists.ask(given, 0, k % self.grid.columns, k // self.grid.columns, 0)
                     if ti.static(not self.mirrored):
                         self._take_means(number, sums, means, centres, k)
@@ -117,11 +118,11 @@ class PatchPasses:
     @ti.func
     def _point(
         self, number: ti.template(), points: ti.template(), sums: ti.template(), means: ti.template(),
-        centres: ti.template(), strip, p, subtracts: ti.template(), gives: ti.template(), node,
+        centres: ti.template(), strip, p, subtracts: ti.template(), gives: ti.template(), a, b,
     ):  # fmt: skip
         """Point p's part of a pass: it subtracts the means from what it has left, and gives that to the nodes.
 
-        On tasks it gives to one `node` only.
+        On tasks it gives only to the node that lies a columns and b rows from the first of its patch.
         """
         known, left = points[2 * p + 1], points[2 * p]
         i, sx, gx, j, sy, gy = self._patch(known[1], known[2])
@@ -140,22 +141,18 @@ class PatchPasses:
             given = left
             if ti.static(number == 0):
                 given = left + eight(0.0, 0.0, 0.0, 0.0, 1.0, from_x, from_y, 0.0)
-            for b in ti.static(range(3)):
-                for a in ti.static(range(3)):
-                    k = self.grid.node(i + a, j + b)
-                    if self._takes(node, k):
-                        offset = eight(*ti.static((0.0, 0.0, 0.0, 0.0, 0.0, float(a), float(b), 0.0)))
+            if ti.static(self.shared):
+                offset = eight(0.0, 0.0, 0.0, 0.0, 0.0, ti.cast(a, real), ti.cast(b, real), 0.0)
+                of_node = given - offset if ti.static(number == 0) else given
+                k = self.grid.node(i + a, j + b)
+                sums[k] = sums[k] + eight(known[0] * chosen(sx, a) * chosen(sy, b)) * of_node
+            else:
+                for y in ti.static(range(3)):
+                    for x in ti.static(range(3)):
+                        offset = eight(*ti.static((0.0, 0.0, 0.0, 0.0, 0.0, float(x), float(y), 0.0)))
                         of_node = given - offset if ti.static(number == 0) else given
-                        k = strip * self.grid.nodes + k
-                        sums[k] = sums[k] + eight(known[0] * sx[a] * sy[b]) * of_node
-
-    @ti.func
-    def _takes(self, node, k):
-        """Whether node k is to be given something: on tasks only the one."""
-        taken = True
-        if ti.static(self.shared):
-            taken = k == node
-        return taken
+                        k = strip * self.grid.nodes + self.grid.node(i + x, j + y)
+                        sums[k] = sums[k] + eight(known[0] * sx[x] * sy[y]) * of_node
 
     @ti.func
     def _patch(self, x, y):
@@ -223,15 +220,15 @@ class PatchPasses:
 
 @ti.data_oriented
 class Given:
-    """What points give to node k in a pass (see `CellLists.ask`)."""
+    """What points give to a node in a pass (see `CellLists.ask`)."""
 
-    def __init__(self, passes: PatchPasses, number: int, points: Any, sums: Any, means: Any, centres: Any, k: Any):
-        self.passes, self.number, self.k = passes, number, k
+    def __init__(self, passes: PatchPasses, number: int, points: Any, sums: Any, means: Any, centres: Any):
+        self.passes, self.number = passes, number
         self.points, self.sums, self.means, self.centres = points, sums, means, centres
 
     @ti.func
-    def visit(self, p):
+    def visit(self, p, a, b):
         """Take what point p gives."""
         self.passes._point(
-            self.number, self.points, self.sums, self.means, self.centres, 0, p, False, True, self.k
+            self.number, self.points, self.sums, self.means, self.centres, 0, p, False, True, a, b
         )  # fmt: skip

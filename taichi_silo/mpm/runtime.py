@@ -100,7 +100,7 @@ def device() -> str:
         return f"cpu, {PRECISION}"
     if ti.lang.impl.current_cfg().arch == ti.vulkan:
         card = vulkan_card()
-        return f"vulkan on {card.name} ({card.kind}), {PRECISION}"
+        return f"vulkan on {card.name}, {card.kind}, {PRECISION}"
     return f"cuda on {graphics_cards.cuda_card() or 'a card without a name'}, {PRECISION}"
 
 

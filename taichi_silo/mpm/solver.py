@@ -253,7 +253,7 @@ class Solver:
     @ti.func
     def _scatter(self, store: ti.template(), p, t, step, what: ti.template()):
         """Particles to grid: mass and momentum ("motion"), internal force ("force"), or "all"."""
-        scatter(store, self.shape, self.transfer, self.surroundings, p, t, what != "force", what != "motion")
+        scatter(store, self.transfer, self.surroundings, p, t, what != "force", what != "motion")
 
     @ti.func
     def _integrate(self, store: ti.template(), i, j, step, what: ti.template()):
@@ -276,7 +276,7 @@ class Solver:
         given = v - dv
         if ti.static(not self.transfer.SECOND_TRANSFER):
             given = self.transfer.carried(self.particles.velocity[p], v, dv, v, step.dt)
-        second_scatter(store, self.shape, p, t, given)
+        second_scatter(store, p, t, given)
 
     @ti.func
     def _second_velocity(self, store: ti.template(), i, j, step, what: ti.template()):
