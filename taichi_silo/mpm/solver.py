@@ -5,7 +5,6 @@ from collections.abc import Iterable, Sequence
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import taichi as ti
 
 from taichi_silo.mpm import runtime
@@ -17,19 +16,16 @@ from taichi_silo.mpm.g2p import affine_of, at_point, deform, gradient_of, move, 
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.grid_update import integrate_node, second_velocity_of_node
-from taichi_silo.mpm.nodal_impulses import NodalImpulses
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import Local, NonLocal
 from taichi_silo.mpm.p2g import scatter, second_scatter
-from taichi_silo.mpm.partial_sums import PartialSums
 from taichi_silo.mpm.particles import Particles
-from taichi_silo.mpm.point_sums import KINDS, PointSums
+from taichi_silo.mpm.readings import Readings, Record, TaskReadings
 from taichi_silo.mpm.simd import selftest
 from taichi_silo.mpm.simd.executor import Simd, hindrance
 from taichi_silo.mpm.tasks import Tasks
 from taichi_silo.mpm.tensors import norm
 from taichi_silo.mpm.velocity_transfer import Flip
-from taichi_silo.mpm.wall_impulses import Impulses
 from taichi_silo.mpm.walls.friction import AtOnce, Delayed
 from taichi_silo.mpm.walls.outlets import OPENED
 from taichi_silo.mpm.walls.surfaces import NoSurfaces, Surface, Surfaces
@@ -106,12 +102,10 @@ class Solver:
             stations = self.surfaces.count if surfaces else 0
             self.friction = Delayed(particles, grid, len(self.walls), stations, friction_delay_s)
         on_tasks = not runtime.is_cpu() if shared is None else shared
-        impulses: Any = Impulses(len(self.walls) + len(surfaces), grid)
-        sums = PointSums(particles, grid, law)
-        if on_tasks:
-            impulses = NodalImpulses(self.walls, len(surfaces), grid, first=len(KINDS))
-            sums = PartialSums(particles, grid, law, impulses.report)
-        self.simd_refused, self.impulses, self.sums = "", impulses, sums
+        readings = TaskReadings if on_tasks else Readings
+        self.readings = readings(self.walls, len(surfaces), particles, grid, law)
+        self.impulses, self.sums = self.readings.impulses, self.readings.sums
+        self.simd_refused = ""
         self.executor = self._executor(tuple(self.phases()), on_tasks, simd)
 
     def _executor(self, phases: tuple[Phase, ...], on_tasks: bool, simd: bool | None) -> Executor:
@@ -235,14 +229,11 @@ class Solver:
         self.executor.check()
         return self._with_stable_step(self.sums.read())
 
-    def record(self) -> tuple[np.ndarray, np.ndarray, SimpleNamespace]:
-        """What `impulses.read_and_reset` and `point_sums` give, from tasks in one reading."""
-        if not isinstance(self.sums, PartialSums):
-            return *self.impulses.read_and_reset(), self.point_sums()
-        self.sums.take()
-        self.impulses.take()
-        report = self.impulses.report.to_numpy()
-        return *self.impulses.of_report(report), self._with_stable_step(self.sums.of_report(report))
+    def record(self) -> Record:
+        """What `impulses.read_and_reset` and `point_sums` give, read at once."""
+        self.executor.check()
+        reaction, control, found = self.readings.record()
+        return reaction, control, self._with_stable_step(found)
 
     def _with_stable_step(self, found: SimpleNamespace) -> SimpleNamespace:
         found.stable_step = found.transit * self.stable_fraction
