@@ -136,23 +136,25 @@ def alarms(points: int) -> dict:
 
 
 def averages(points: int) -> list[dict]:
-    """The non-local average on one thread: a step's means, and building all rows once."""
-    from benchmarks.phases import Neighbours
-    from taichi_silo.mpm.nonlocal_average import Gaussian, NonLocal
+    """The non-local average on one thread: a step's means, and building them once."""
+    from benchmarks.phases import Averages
+    from taichi_silo.mpm.grid_means import GridMeans
+    from taichi_silo.mpm.neighbour_rows import NeighbourRows
+    from taichi_silo.mpm.nonlocal_average import Gaussian
 
     rows = []
-    for ratio in (1.0, 2.0):  # l_c over the spacing
+    for ratio in (1.0, 2.0, 4.0):  # l_c over the spacing
         simulation = loaded(points, 1, 1)
-        average = NonLocal(
-            Gaussian(ratio * simulation.model.spacing), simulation.model.particles, simulation.model.spacing
-        )
-        average.refresh()
-        size = simulation.scene.points, 1, 1
-        neighbours = average.rows.pairs / size[0]
-        means = seconds_per_step(Neighbours(average).means)
-        anew = seconds_per_step(lambda n, a=average: [a.rows.build() for _ in range(n)], seconds=0.1, rounds=3)
-        for phase, cost in ((f"average of {neighbours:.0f}", means), (f"rows of {neighbours:.0f} anew", anew)):
-            rows.append(row(size, phase, cost, None))
+        particles, grid, spacing = simulation.model.particles, simulation.model.grid, simulation.model.spacing
+        kernel, size = Gaussian(ratio * spacing), (simulation.scene.points, 1, 1)
+        for by, means in (
+            ("rows", NeighbourRows(kernel, particles, spacing)), ("grid", GridMeans(kernel, particles, grid)),
+        ):  # fmt: skip
+            means.build()
+            of_step = seconds_per_step(Averages(means).steps)
+            anew = seconds_per_step(lambda n, m=means: [m.build() for _ in range(n)], seconds=0.1, rounds=3)
+            rows += [row(size, f"average by {by}, l_c {ratio:.0f}", of_step, None)]
+            rows += [row(size, f"{by} anew, l_c {ratio:.0f}", anew, None)]
     return rows
 
 

@@ -1,8 +1,7 @@
 """Each phase of a step, looped alone on one thread: the functions are the solver's own."""
 
-import taichi as ti
-
 from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Step
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.simd.store import Groups
 from taichi_silo.mpm.simd.vectors import arrays_of_eight, compiling_simd
@@ -87,17 +86,22 @@ class Phases:
 
 
 @ti.data_oriented
-class Neighbours:
-    """The non-local average alone: all means of one step."""
+class Averages:
+    """The means over neighbours alone, of one step."""
 
-    def __init__(self, average):
-        self.average = average
-        self.found = ti.field(real, shape=average.particles.count)
+    def __init__(self, means):
+        self.means, self.add = means, means.add
+        self.found = ti.field(real, shape=means.particles.count)
 
     @ti.kernel
-    def means(self, steps: ti.i32):
-        """Compute all means, `steps` times, on one thread."""
+    def steps(self, steps: ti.i32):
+        """Compute all means of a field alike everywhere, `steps` times, on one thread."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
-            for p in range(self.average.particles.count):
-                self.found[p] = self.average.mean(p)
+            for p in range(self.means.particles.count):
+                self.means.give(self, p, ti.cast(1.0, real), 0)
+            for run in ti.static(self.means.passes()):
+                for j in range(self.means.rows):
+                    run(j)
+            for p in range(self.means.particles.count):
+                self.found[p] = self.means.mean(p)

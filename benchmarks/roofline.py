@@ -5,9 +5,8 @@ And how much of both a step needs, counted in the formulas; a step's place under
 
 import time
 
-import taichi as ti
-
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd, eight
 
 CHAINS = 8  # of operations that do not wait for each other

@@ -18,8 +18,9 @@ if os.name == "posix" and not os.environ.get("HOME"):  # without it Taichi ends 
         os.environ["HOME"] = str(Path.home())
     except RuntimeError:  # the system does not know the user either
         os.environ["HOME"] = tempfile.gettempdir()
-os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")  # a run prints only its own lines
-os.environ.setdefault("TI_ENABLE_PYBUF", "0")  # no kernel prints, wherever standard output goes
+for _language, _prefix in (("TAICHI", "TI"), ("QUADRANTS", "QD")):
+    os.environ.setdefault(f"ENABLE_{_language}_HEADER_PRINT", "0")  # a run prints only its own lines
+    os.environ.setdefault(f"{_prefix}_ENABLE_PYBUF", "0")  # no kernel prints, wherever standard output goes
 
 HOME = {  # of the public names; each is imported when it is first used, which keeps the program's start short
     "errors": ("BadInput", "RunFailed", "Stopped"),

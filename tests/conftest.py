@@ -1,9 +1,6 @@
 """Taichi is started afresh for each module: fields of another module are dead."""
 
 import os
-
-os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
-
 import subprocess
 import sys
 import time
@@ -19,8 +16,8 @@ if AFFINITY and (worker := os.environ.get("PYTEST_XDIST_WORKER")):
 
 from taichi_silo import api
 from taichi_silo.cli import flags, model_silo  # noqa: F401 - they hold scenes made when they are imported
-from taichi_silo.mpm import runtime, solver, tasks
-from tests import taichi_frontend  # noqa: F401 - it makes Taichi's front end faster
+from taichi_silo.mpm import language, runtime, solver, tasks
+from tests import untraced  # noqa: F401 - coverage does not watch the language
 
 HERE = Path(__file__).parent
 DATA, LONG = HERE / "data", HERE / "long.txt"
@@ -74,7 +71,7 @@ def taichi(request):
     """Taichi for the module; single formulas are compiled without the optimiser, a quarter of the time."""
     with pytest.MonkeyPatch.context() as patch:
         if plain(request):
-            patch.setenv("TI_ADVANCED_OPTIMIZATION", "0")
+            patch.setenv(f"{'TI' if language.NAME == 'taichi' else 'QD'}_ADVANCED_OPTIMIZATION", "0")
         runtime.init()
         yield
 

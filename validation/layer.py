@@ -35,6 +35,7 @@ ROWS_PER_MM = 50
 def layer(
     pressure: float, void_ratio: float, length: float, cells_per_length: float, points_per_cell: int,
     options: MethodOptions | None = None, shape: str = "ugimp", wall: str = "ignored",
+    means: str | None = None,
 ) -> Specimen:  # fmt: skip
     """The strip at rest; Taichi has been started."""
     h, law = length / cells_per_length, Sand(void_ratio=void_ratio).constitutive_law()
@@ -51,8 +52,8 @@ def layer(
     return Specimen(
         law, void_ratio + LOOSER * np.exp(-((y / LOOSER_WITHIN_M) ** 2)), width_m=COLUMNS * h, height_m=rows * h,
         cell_size_m=h, walls=walls, stress=stress, per_axis=per_axis, ambient_pressure=pressure, follows="surface",
-        periodic=True, kernel=Gaussian(length), rigid_walls=wall == "rigid", shape=shape,
-        options=options,
+        periodic=True, kernel=Gaussian(length), rigid_walls=wall == "rigid", by=means,
+        shape=shape, options=options,
         control=NoiseControl.for_column(4.0 * HEIGHT_M / speed),
     )  # fmt: skip
 
@@ -82,6 +83,7 @@ def run(
     points_per_cell: Annotated[Literal["1", "4", "9"], Option(help="at the start")] = "1",
     displacement: Annotated[float, Option(help="of the plate [m]", min=1e-4)] = 0.004,
     wall: Annotated[Literal["ignored", "rigid"], Option(help="in the non-local mean (averaging.wall)")] = "ignored",
+    means: Annotated[Literal["grid", "rows"] | None, Option(help="how they are summed (averaging.means)")] = None,
     shape: flags.ShapeFlag = "ugimp",
     method: flags.MethodFlags = None,
     output: Annotated[Path, Option(help="folder, for curve.csv and points.csv")] = Path("outputs/layer"),
@@ -95,7 +97,15 @@ def run(
         )
     runtime.init()
     piece = layer(
-        pressure, void_ratio, length, cells_per_length, int(points_per_cell), MethodOptions(**method), shape, wall
+        pressure,
+        void_ratio,
+        length,
+        cells_per_length,
+        int(points_per_cell),
+        MethodOptions(**method),
+        shape,
+        wall,
+        means,
     )
     curve = pd.DataFrame(sheared(piece, displacement), columns=["displacement_m", "shear_stress_Pa", "height_m"])
     output.mkdir(parents=True, exist_ok=True)

@@ -20,6 +20,7 @@ from taichi_silo.cli import command_line, flags
 from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.runs.theories import janssen_of
 from taichi_silo.scene import sands
+from taichi_silo.scene.published_sands import published
 from taichi_silo.scene.scene import Averaging
 from taichi_silo.show.figures.style import BLUE, VERMILLION, new_figure
 from taichi_silo.studies.run_all import run_all
@@ -39,7 +40,7 @@ CASES = {
         for ratio in (1, 5, 8, 12)
         for angle in (19, 30)
     },
-    **{f"28 deg, {name} sand": {"angle": 28.0, "e": 0.70, "sand": name} for name in sorted(sands.published())},
+    **{f"28 deg, {name} sand": {"angle": 28.0, "e": 0.70, "sand": name} for name in sorted(published())},
     "30 deg, 2 mm/s": {"angle": 30.0, "speed": 0.002},
     "30 deg, 10 mm/s": {"angle": 30.0, "speed": 0.01},
     "12.3 deg, loose": {"angle": 12.3, "e": 0.90},

@@ -16,12 +16,12 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
-import taichi as ti
 from matplotlib import rc_context
 from typer import Option
 
 from taichi_silo.cli import command_line
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.patch_passes import PASSES
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.show.figures.style import STYLE, new_figure

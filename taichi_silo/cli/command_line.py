@@ -8,10 +8,6 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import typer
-from pydantic import ValidationError
-from rich import box
-from rich.console import Console as RichConsole
-from rich.table import Table
 
 from taichi_silo.errors import BadInput, MachineFailed, RunFailed, Stopped
 from taichi_silo.utils import streams
@@ -19,7 +15,6 @@ from taichi_silo.utils.bounded_reading import place
 from taichi_silo.utils.console import Console
 from taichi_silo.utils.machine_faults import of_machine
 from taichi_silo.utils.messages import sentence as in_one_line
-from taichi_silo.utils.schema import one_sentence
 
 BAD_INPUT, FAILED, STOPPED = 2, 1, 130
 USAGE_ERROR: Any = typer.BadParameter.__base__  # typer gives it no name of its own
@@ -57,8 +52,6 @@ def serve(app: typer.Typer, name: str, arguments: Sequence[str] | None = None) -
         _stop(_bad_flag(error, words), BAD_INPUT)
     except USAGE_ERROR as error:  # an unknown flag, a flag without its value
         _stop(error.format_message().rstrip("."), BAD_INPUT)
-    except ValidationError as error:
-        _stop(one_sentence(error), BAD_INPUT)
     except BadInput as error:
         _stop(str(error), BAD_INPUT)
     except MachineFailed as error:
@@ -68,6 +61,8 @@ def serve(app: typer.Typer, name: str, arguments: Sequence[str] | None = None) -
     except (KeyboardInterrupt, typer.Abort):
         _stop("stopped; everything up to then is kept", STOPPED)
     except Exception as error:
+        if wrong := _bad_value(error):
+            _stop(wrong, BAD_INPUT)
         fault = of_machine(error)
         if fault is None:
             raise
@@ -86,6 +81,15 @@ def _stopping(function: Callable) -> Callable:
             _stop(str(stop), stop.code)
 
     return call
+
+
+def _bad_value(error: Exception) -> str:
+    """What is wrong with a value of a scene; empty if it is another error."""
+    from pydantic import ValidationError  # there already where scenes are
+
+    from taichi_silo.utils.schema import one_sentence
+
+    return one_sentence(error) if isinstance(error, ValidationError) else ""
 
 
 def _bad_flag(error: typer.BadParameter, arguments: Sequence[str]) -> str:
@@ -134,6 +138,10 @@ def _print_file(text: str) -> None:
 
 def explain(scene) -> None:
     """Say which parts of the method a scene uses, and why."""
+    from rich import box
+    from rich.console import Console as RichConsole
+    from rich.table import Table
+
     from taichi_silo.runs.method_choices import parts  # with it comes the whole solver
 
     scene.machine.start()

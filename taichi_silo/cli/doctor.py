@@ -1,4 +1,4 @@
-"""Checks of what runs need: Taichi, the vector unit, a film encoder, a folder, and a small run."""
+"""Checks of what runs need: the kernels' language, the vector unit, a film encoder, a folder, and a small run."""
 
 import importlib.metadata
 import importlib.util
@@ -12,10 +12,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.errors import BadInput
-from taichi_silo.mpm import graphics_cards, runtime
+from taichi_silo.mpm import graphics_cards, language, runtime
 from taichi_silo.mpm.simd import selftest
 from taichi_silo.runs.run_folder import writable
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls, cores
@@ -37,10 +36,10 @@ class Finding(NamedTuple):
 
 def examine(output: Path) -> Iterator[Finding]:
     """Run all checks, one after the other; starts Taichi."""
-    versions = {name: importlib.metadata.version(name) for name in ("taichi-silo", "taichi", "numpy")}
+    versions = {name: importlib.metadata.version(name) for name in ("taichi-silo", language.NAME, "numpy")}
     named = ", ".join(f"{name} {number}" for name, number in versions.items())
     yield Finding("versions", True, f"{named}, Python {platform.python_version()}, {platform.system()}")
-    yield _taichi()
+    yield _language()
     yield _vector_unit()
     yield _graphics_card()
     yield _film()
@@ -49,12 +48,13 @@ def examine(output: Path) -> Iterator[Finding]:
     yield _small_run()
 
 
-def _taichi() -> Finding:
+def _language() -> Finding:
+    name = language.NAME.capitalize()
     try:
         runtime.init("cpu", 1)
     except Exception as error:  # noqa: BLE001 - whatever keeps it from starting is the finding
-        return Finding("Taichi", False, f"does not start: {error}")
-    return Finding("Taichi", True, f"starts; {cores()} cores")
+        return Finding(name, False, f"does not start: {error}")
+    return Finding(name, True, f"starts; {cores()} cores")
 
 
 def _vector_unit() -> Finding:
@@ -65,7 +65,7 @@ def _vector_unit() -> Finding:
 
 def _graphics_card() -> Finding:
     """What --arch cuda and --arch vulkan would find, or what it takes for them to find something."""
-    there = [f"CUDA: {graphics_cards.cuda_card() or 'a card'}"] if ti._lib.core.with_cuda() else []
+    there = [f"CUDA: {graphics_cards.cuda_card() or 'a card'}"] if runtime.has_cuda() else []
     cards = graphics_cards.vulkan_cards()
     there += [f"Vulkan: {card.name} ({card.kind})" for card in cards if card.f64]
     if there:

@@ -22,6 +22,7 @@ NAMES = {  # of flags that are not called as the last part of their path
     "silo.inserts.0.height_m": "insert_height", "silo.inserts.0.bottom_m": "insert_bottom",
     "silo.inserts.0.friction_angle_deg": "insert_friction_angle", "walls.friction_angle_deg": "wall_friction_angle",
     "method.stress_filter": "filter", "averaging.wall": "averaging_wall",
+    "averaging.means": "averaging_means",
 }  # fmt: skip
 OF_FIDELITY = ("grid.cell_size_m", "grid.points_per_cell", "flow.speed_m_per_s")  # what a named fidelity may set
 TIME_STEP, AUTO = "method.time_step_s", "auto"

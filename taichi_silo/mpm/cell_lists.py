@@ -7,10 +7,10 @@ and two runs are equal bit by bit.
 """
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.point_weights import weights
 from taichi_silo.mpm.runtime import whole_numbers

@@ -8,12 +8,11 @@ functions get as first argument the store that the executor works on: `field_sto
 
 from typing import NamedTuple
 
-import taichi as ti
-
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.field_store import Fields
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 
 # what a phase runs over; SCATTER: points that add to the nodes of their patches; COLLECT: points that add to sums
@@ -31,12 +30,14 @@ class Phase(NamedTuple):
     run : the function.
     option : a compile-time constant for it.
     waits : whether it needs what other threads did in the phase before.
+    rows : that ROWS runs over; 0: those of the grid.
     """
 
     over: int
     run: object
     option: object = None
     waits: bool = True
+    rows: int = 0
 
 
 @ti.dataclass
@@ -103,7 +104,9 @@ class PhaseLoop:
         self.grid, self.threads, self.barrier = grid, threads, Barrier(threads)
         waits = [number > 0 and phase.waits for number, phase in enumerate(phases)]
         self.waits = sum(waits)  # in a step
-        self.phases = tuple((sum(waits[:n]), waits[n], *phase[:3]) for n, phase in enumerate(phases))
+        self.phases = tuple(
+            (sum(waits[:n]), waits[n], *phase[:3], phase.rows or grid.rows) for n, phase in enumerate(phases)
+        )
 
     @ti.func
     def steps(self, store: ti.template(), t, done, count, steps, dt, g0, g1, v0, v1, filling_drag, passed):
@@ -112,7 +115,7 @@ class PhaseLoop:
         low, high = t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads
         for number in range(count):
             step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
-            for before, waits, over, run, option in ti.static(self.phases):
+            for before, waits, over, run, option, rows in ti.static(self.phases):
                 if ti.static(waits):
                     self.barrier.wait(passed, number * self.waits + before)
                 if ti.static(over in (SCATTER, COLLECT)):
@@ -125,7 +128,7 @@ class PhaseLoop:
                         for i in range(self.grid.columns):
                             run(store, i, j, step, option)
                 else:
-                    for j in range(low, high):
+                    for j in range(t * rows // self.threads, (t + 1) * rows // self.threads):
                         run(store, j, step, option)
             self.grid.follow(t, step)
 

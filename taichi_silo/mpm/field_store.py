@@ -5,11 +5,15 @@ the vector unit holds (`simd.store`). A store offers
 
 `read(name, p)`, `write(name, p, value)`
     a field of point p (see `Particles`): a value, or a tuple of its components.
-`patches()`, `touched(p, t, patch)`, `add(sums, k, value)`
-    through which patches a point gives, to which nodes and with which weights (see `point_weights.weights`), and the
-    addition to entry k of a sum.
-`keep(field, p, value)`, `kept(field, p)`, `each(function, p)`
-    the entry of point p in a scalar field by points, and the value of a function of the point's number.
+`patches()`, `touched(p, t, patch)`
+    through which patches a point gives, to which nodes and with which weights (see `point_weights.weights`).
+`keep(fields, p, values)`, `kept(fields, p)`
+    numbers of point p that outlive a phase, not a step; a store may have a place of its own for them.
+`each(function, p)`, `hand(function, p, t, value)`
+    the value of a function of the point's number; a function (store, number, value, copy) called with a value of the
+    point and the copy of sums that is its own.
+`add(sums, k, value)`
+    to entry k of a sum that others of the same copy add to.
 `gather(field, p, t)`
     what `g2p.gather` finds for point p.
 `read_sums(i, j, last)`, `write_velocity(k, x, y, old)`
@@ -20,11 +24,10 @@ the vector unit holds (`simd.store`). A store offers
 For the vector unit p is the number of a group of eight points, and a value eight numbers.
 """
 
-import taichi as ti
-
 from taichi_silo.mpm import g2p
 from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.point_weights import weights
 
@@ -55,14 +58,20 @@ class Fields:
             sums[k] = sums[k] + value
 
     @ti.func
-    def keep(self, field: ti.template(), p, value):
-        """Set the entry of point p."""
-        field[p] = value
+    def keep(self, fields: ti.template(), p, values):
+        """Set the entries of point p."""
+        for c in ti.static(range(len(fields))):
+            fields[c][p] = values[c]
 
     @ti.func
-    def kept(self, field: ti.template(), p):
-        """The entry of point p."""
-        return field[p]
+    def kept(self, fields: ti.template(), p):
+        """The entries of point p."""
+        return fields[0][p], fields[1][p], fields[2][p], fields[3][p], fields[4][p], fields[5][p]
+
+    @ti.func
+    def hand(self, function: ti.template(), p, t, value):
+        """Call the function."""
+        function(self, p, value, 0 if ti.static(self.atomic) else t)
 
     @ti.func
     def each(self, function: ti.template(), p):

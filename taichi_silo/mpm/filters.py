@@ -11,11 +11,10 @@ points have been taken out, and for checkpoints `state()` and `restore(state)`.
 A filtered stress is pulled back to what the law admits.
 """
 
-import taichi as ti
-
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import COLLECT, NODES, POINTS, Phase
 from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.patch_filter import PatchFilter
 from taichi_silo.mpm.runtime import real

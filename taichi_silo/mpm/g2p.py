@@ -6,8 +6,7 @@ The eight slots are those of `p2g`. A function with an argument `points` works o
 points of group p of the vector unit (see `field_store`); the others work on fields. `t` is the number of the thread.
 """
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws import integrate
 from taichi_silo.mpm.point_weights import domain_of, offset_of_node, weights
 

@@ -8,12 +8,12 @@ The contract, a frozen dataclass:
     size of the body across the plane [m]: 1 (per metre run) or the radius x.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from taichi_silo.mpm.frozen import frozen
 
-@dataclass(frozen=True)
+
+@frozen
 class PlaneStrain:
     """A slice of one metre; zz is the direction across it, in which nothing strains."""
 
@@ -24,7 +24,7 @@ class PlaneStrain:
         return 0.0 * x + 1.0
 
 
-@dataclass(frozen=True)
+@frozen
 class Axisymmetric:
     """One radian of a body of revolution: x is the radius, y the axis, zz the hoop direction.
 
@@ -40,7 +40,7 @@ class Axisymmetric:
         return x
 
 
-@dataclass(frozen=True)
+@frozen
 class Surroundings:
     """What surrounds the points.
 

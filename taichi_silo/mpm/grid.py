@@ -1,7 +1,6 @@
 """Every field of the nodes, and where the nodes are."""
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 
 MARGIN = 2  # nodes beyond the sand on every side: a domain that reaches through a wall still finds its nodes

@@ -5,8 +5,7 @@
 Formulas only; the executors loop over the nodes.
 """
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.walls.contact import Frictionless
 
 KEEPS_IN = Frictionless()  # what a wall does where it does not bear

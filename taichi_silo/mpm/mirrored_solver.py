@@ -5,10 +5,9 @@ the sums beyond the axis are folded back, turned round, before the nodes move; a
 images do. The half is then that of the whole to round-off.
 """
 
-import taichi as ti
-
 from taichi_silo.mpm.executors import NODES, ROWS, Phase
 from taichi_silo.mpm.grid import MARGIN
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.solver import Solver
 
 

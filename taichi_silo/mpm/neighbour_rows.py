@@ -1,13 +1,14 @@
-"""Neighbours of each point within a radius, as sparse rows of normalised weights."""
+"""A mean over the neighbours of each point within a radius: sparse rows of normalised weights."""
 
 import math
 from collections.abc import Sequence
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.contracts import Kernel
+from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.means import Means
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real, whole_numbers
 
@@ -22,11 +23,11 @@ def most_pairs(radius_m: float, spacing_m: float, count: int) -> int:
 
 
 @ti.data_oriented
-class NeighbourRows:
+class NeighbourRows(Means):
     """A row for each point: its neighbours (itself is one), and their weights over the sum of the row.
 
-    Points are sorted into square bins as wide as the radius, so a row is looked for in nine bins: cost and memory grow
-    with the number of pairs, 12 bytes each.
+    Points are sorted into square bins as wide as the kernel's radius, so a row is looked for in nine bins: cost and
+    memory grow with the number of pairs, 12 bytes each.
 
     ==============  ==========  ========================================================================
     field           shape       meaning
@@ -34,61 +35,36 @@ class NeighbourRows:
     start           point + 2   where the row of a point begins in the next two; the last row is empty
     neighbour       pair        number of a neighbour
     share           pair        its normalised weight, w V / sum [-]
-    place           point, 2    position when the rows were built [m]
+    value           point + 1   what each point handed in
     ==============  ==========  ========================================================================
 
     Parameters
     ----------
-    kernel : with `weight(distance)`, before normalisation.
-    radius : within which points are neighbours [m].
-    particles : the points.
     spacing_m : of the points at the start.
-    rigid_planes : (axis, side, coordinate [m]) of planes beyond which nothing strains, yet counts: the kernel's share
-        beyond them joins the sum of a row. `side` is the sign of the normal out of the points.
-    alike_along_x : whether every field is alike along x, as in a periodic strip: distances are then along y only, which
-        is what remains of a Gaussian over the whole plane.
-
-    Attributes
-    ----------
-    builds : how often the rows were built.
-    revision : of the particles that they were built from, -1 at first.
-    origin : positions and volumes of the points that they were built from.
+    others : see `Means`.
 
     """
 
     def __init__(
-        self, kernel: Kernel, radius: float, particles: Particles, spacing_m: float,
+        self, kernel: Kernel, particles: Particles, spacing_m: float,
         rigid_planes: Sequence[tuple[int, int, float]] = (), alike_along_x: bool = False,
     ):  # fmt: skip
-        self.rigid_planes = tuple(rigid_planes)
-        self.kernel, self.radius, self.particles = kernel, radius, particles
-        self.counts = (0.0, 1.0) if alike_along_x else (1.0, 1.0)  # how much of x and y a distance counts
-        self.builds, self.revision = 0, -1
-        self.origin: dict[str, np.ndarray] = {}
+        super().__init__(kernel, particles, rigid_planes, alike_along_x)
+        self.radius = kernel.radius
         count = particles.count
-        self.room = count**2 if alike_along_x else most_pairs(radius, spacing_m, count)
+        self.room = count**2 if alike_along_x else most_pairs(self.radius, spacing_m, count)
         self.start = whole_numbers(count + 2)
         self.neighbour = whole_numbers(self.room)
         self.share = ti.field(real, shape=self.room)
-        self.place = ti.Vector.field(2, real, shape=count)
-        self.sand = ti.field(real, shape=count)  # share of the kernel on this side of the rigid planes
+        self.value = ti.field(real, shape=count + 1)
 
     @property
     def pairs(self) -> int:
         """Number of weights in use."""
         return int(self.start[self.particles.count])
 
-    def update(self, allowed_m: float) -> None:
-        """Build the rows anew if there are none of these particles, or a point has moved further than allowed [m]."""
-        if self.revision != self.particles.revision or self._moved() > allowed_m:
-            self.build()
-
-    def forget(self) -> None:
-        """Have no rows until the next update."""
-        self.revision = -1
-
-    def build(self) -> None:
-        """Build all rows; points whose place is no number leave the rows as they are.
+    def _build(self, place: np.ndarray) -> None:
+        """Build all rows.
 
         Raises
         ------
@@ -96,12 +72,6 @@ class NeighbourRows:
             if points have come so close that the pairs exceed their room.
 
         """
-        active = self.particles.active[None]
-        place = self.particles.position.to_numpy()[:active]
-        if not np.isfinite(place).all():
-            return  # the guard will stop the run
-        self.origin = {"position": place, "volume": self.particles.volume.to_numpy()[:active]}
-        place = place * self.counts
         low = place.min(axis=0)
         extent = np.ptp(place, axis=0) + self.radius
         width = max(self.radius, math.sqrt(float(extent.prod()) / MOST_BINS), float(extent.max()) / MOST_BINS)
@@ -122,40 +92,20 @@ class NeighbourRows:
         full = np.full(self.particles.count + 2, start[-1], dtype=np.int32)
         full[: len(start)] = start
         self.start.from_numpy(full)
-        self.sand.from_numpy(np.pad(self._share_of_sand(place), (0, self.particles.count - active)))
         self._fill(order, first, bins.astype(np.int32), across, rows)
-        self.builds += 1
-        self.revision = self.particles.revision
-
-    def _share_of_sand(self, place: np.ndarray) -> np.ndarray:
-        """Share of the kernel around each place that lies on the points' side of all rigid planes."""
-        beyond = np.zeros((2, len(place)))  # of planes across each axis: of parallel ones, the shares add up
-        for axis, side, coordinate in self.rigid_planes:
-            distance = side * (coordinate - place[:, axis])
-            near = distance < self.radius
-            beyond[axis, near] += [self.kernel.beyond(value) for value in distance[near]]
-        return np.prod(1.0 - beyond, axis=0)
 
     @ti.func
-    def mean(self, values: ti.template(), p):
-        """Weighted mean over the neighbours of point p of a scalar field by points."""
+    def give(self, store: ti.template(), p, value, copy):
+        """Hand in the value of point number p."""
+        self.value[p] = value
+
+    @ti.func
+    def mean(self, p):
+        """The mean around point number p."""
         total = 0.0
         for k in range(self.start[p], self.start[p + 1]):
-            total += self.share[k] * values[self.neighbour[k]]
+            total += self.share[k] * self.value[self.neighbour[k]]
         return total
-
-    @ti.func
-    def _distance(self, a, b):
-        return ((a - b) * ti.Vector(self.counts)).norm()
-
-    @ti.kernel
-    def _moved(self) -> real:
-        most = 0.0
-        for p in range(self.particles.places()):
-            if not self.particles.is_there(p):
-                continue
-            ti.atomic_max(most, self._distance(self.particles.position[p], self.place[p]))
-        return most
 
     @ti.kernel
     def _count(
@@ -184,7 +134,6 @@ class NeighbourRows:
             if not self.particles.is_there(p):
                 continue
             here = self.particles.position[p]
-            self.place[p] = here
             at, total = self.start[p], 0.0
             for row in range(ti.max(bins[p, 1] - 1, 0), ti.min(bins[p, 1] + 2, rows)):
                 left = row * across + ti.max(bins[p, 0] - 1, 0)

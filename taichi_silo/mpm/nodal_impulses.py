@@ -1,10 +1,10 @@
 """Impulses on the sand where each node has a thread of its own: kept by nodes, added up when they are read."""
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm.contracts import Wall
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real, whole_numbers
 
 

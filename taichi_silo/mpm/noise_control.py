@@ -11,10 +11,11 @@ All zero is the paper's "no damping was defined".
 """
 
 import math
-from dataclasses import dataclass
+
+from taichi_silo.mpm.frozen import frozen
 
 
-@dataclass(frozen=True)
+@frozen
 class NoiseControl:
     """A drag towards the recent mean motion, and a slow relaxation of the points to the grid.
 

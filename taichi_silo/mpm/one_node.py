@@ -2,9 +2,8 @@
 
 from typing import Any
 
-import taichi as ti
-
 from taichi_silo.mpm.field_store import Fields
+from taichi_silo.mpm.language import ti
 
 
 def same(one: object, other: object) -> bool:

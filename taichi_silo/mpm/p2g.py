@@ -14,8 +14,7 @@ Formulas only: who loops over the points, and in which order they are added, is 
 number of the thread, which says which copy of the sums and of the grid's height it uses.
 """
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.point_weights import offset_of_node
 from taichi_silo.mpm.tensors import shifted
 

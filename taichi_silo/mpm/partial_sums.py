@@ -3,10 +3,10 @@
 from types import SimpleNamespace
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.point_sums import KINDS, PointSums, joined, nothing
 from taichi_silo.mpm.runtime import real

@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm.contracts import Law, Shape, Transfer
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import is_cpu, real, real_place, whole_numbers
 
 

@@ -19,11 +19,11 @@ follow each other by the way of the points (`TURN`), whatever the time step.
 """
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import Phase
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.patch_passes import PatchPasses
 from taichi_silo.mpm.runtime import real

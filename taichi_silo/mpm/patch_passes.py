@@ -6,11 +6,10 @@ P takes stresses to the nodes as means, and back to the points (see `patch_filte
 import contextlib
 from typing import Any
 
-import taichi as ti
-
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.cell_lists import CellLists
 from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.one_node import chosen
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real

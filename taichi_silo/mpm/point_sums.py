@@ -4,10 +4,10 @@ import math
 from types import SimpleNamespace
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.tensors import trace

@@ -3,9 +3,8 @@
 `points` is whatever can read a field of a point: `Particles`, or a store (see `field_store`).
 """
 
-import taichi as ti
-
 from taichi_silo.mpm.grid import MARGIN
+from taichi_silo.mpm.language import ti
 
 
 @ti.func

@@ -1,4 +1,4 @@
-"""The one place where Taichi is started.
+"""The one place where the language of the kernels is started.
 
 Every field of the project is f64: a bottom that moves at 0.1 mm/s shifts a point by 2e-9 m a step,
 which is below the spacing of f32 numbers at 0.5 m (3e-8 m). The environment variable TAICHI_SILO_PRECISION makes a
@@ -12,9 +12,8 @@ import tempfile
 import weakref
 from pathlib import Path
 
-import taichi as ti
-
 from taichi_silo.mpm import graphics_cards
+from taichi_silo.mpm.language import NAME, ti
 
 PRECISION = os.environ.get("TAICHI_SILO_PRECISION", "f64")
 if PRECISION not in ("f64", "f32", "mixed"):
@@ -54,7 +53,7 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
     _forget_arrays()
     with contextlib.redirect_stdout(io.StringIO()):
         if arch == "cuda":
-            if not ti._lib.core.with_cuda():
+            if not has_cuda():
                 raise ArchitectureError("arch is 'cuda' but this machine has no CUDA device; use --arch cpu")
             ti.init(arch=ti.cuda, **options)
         elif arch == "vulkan":
@@ -63,14 +62,11 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
             if is_cpu():  # Taichi's own search has found none
                 raise ArchitectureError(f"arch is 'vulkan' but {NO_VULKAN}")
         else:
-            ti.init(
-                arch=ti.cpu,
-                cpu_max_num_threads=threads,
-                # one task of a parallel loop is one thread's whole share of the step (see solver.py)
-                cpu_block_dim_adaptive=False,
-                make_cpu_multithreading_loop=False,
-                **options,
-            )
+            # one task of a parallel loop is one thread's whole share of the step (see solver.py)
+            options["make_cpu_multithreading_loop"] = False
+            if NAME == "taichi":  # the fork never groups tasks by itself
+                options["cpu_block_dim_adaptive"] = False
+            ti.init(arch=ti.cpu, cpu_max_num_threads=threads, **options)
 
 
 NO_VULKAN = f"no Vulkan device answers; install {DRIVERS}, or use --arch cpu"
@@ -148,6 +144,11 @@ def _cache_can_be_kept() -> bool:
 def wait() -> None:
     """Return when everything launched so far is done."""
     ti.sync()
+
+
+def has_cuda() -> bool:
+    """Whether a CUDA device answers."""
+    return ti._lib.core.with_cuda()
 
 
 def is_cpu() -> bool:

@@ -5,8 +5,6 @@ from collections.abc import Iterable, Sequence
 from types import SimpleNamespace
 from typing import Any
 
-import taichi as ti
-
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Filter, Law, Shape, Transfer, Wall
 from taichi_silo.mpm.executors import NODES, POINTS, ROWS, SCATTER, Executor, Phase, Threads
@@ -16,6 +14,7 @@ from taichi_silo.mpm.g2p import affine_of, at_point, deform, gradient_of, move, 
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.grid_update import integrate_node, second_velocity_of_node
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import Local, NonLocal
 from taichi_silo.mpm.p2g import scatter, second_scatter
@@ -117,7 +116,7 @@ class Solver:
             self.simd_refused = selftest.failure()
             simd = not self.simd_refused
         if simd:
-            return Simd(phases, self.particles, self.grid, self.shape, self.surroundings)
+            return Simd(phases, self.particles, self.grid, self.shape, self.surroundings, self.averaging.KEPT)
         store = Fields(self.particles, self.grid, self.shape, on_tasks)
         return Tasks(phases, store) if on_tasks else Threads(phases, store)
 
@@ -138,7 +137,7 @@ class Solver:
             raise ValueError(f"{given}; with the transfer {self.transfer} it must be 'last'")
         velocity, second = self.grid.velocity, self.grid.second_velocity
         press = [Phase(ROWS, self._press)] if self.surfaces.ACTIVE else []
-        after = [Phase(POINTS, self._respond)] if self.averaging.ACTIVE else []
+        after = [*self.averaging.phases(), Phase(POINTS, self._respond)] if self.averaging.ACTIVE else []
         after += self.filter.phases() if self.filter.ACTIVE else []
         if self.stress_update == "first":
             return [
@@ -293,7 +292,7 @@ class Solver:
     def _respond(self, store: ti.template(), p, t, step, option: ti.template()):
         """Stress of point p under its kept strain rate and the non-local norm of it."""
         d0, d1, d2, d3, spin, length = self.averaging.kept(store, p)
-        d_bar = store.each(self.averaging.mean, p)
+        d_bar = self.averaging.mean(store, p)
         respond(store, self.law, p, (d0, d1, d2, d3), spin, length, d_bar, step.dt)
 
     # --- a point --------------------------------------------------------------------------------------------------
@@ -315,7 +314,7 @@ class Solver:
             D, spin = (L[0], L[3], L[4], 0.5 * (L[1] + L[2])), 0.5 * (L[1] - L[2])
             length = norm(D)
             if ti.static(self.averaging.ACTIVE):  # it waits for the neighbours' strain rates
-                self.averaging.keep(store, p, D, spin, length)
+                self.averaging.keep(store, p, t, D, spin, length)
             else:
                 respond(store, self.law, p, D, spin, length, length, step.dt)
 

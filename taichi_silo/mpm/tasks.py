@@ -2,12 +2,11 @@
 
 from typing import Any, NamedTuple
 
-import taichi as ti
-
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.cell_lists import CellLists
 from taichi_silo.mpm.executors import COLLECT, NODES, POINTS, ROWS, SCATTER, Executor, Phase, step_at
 from taichi_silo.mpm.field_store import Fields
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.one_node import take
 from taichi_silo.mpm.runtime import real
 
@@ -21,7 +20,7 @@ class Task(NamedTuple):
 
     over : POINTS or COLLECT, NODES, ROWS; None: the grid's own step.
     take : a phase over points whose gifts each node takes before it runs, and whether it is the first of the step.
-    run, option : of the phase; None: nothing more.
+    run, option, rows : of the phase; None: nothing more.
     enter : whether points then enter the lists of the next step.
     """
 
@@ -29,6 +28,7 @@ class Task(NamedTuple):
     take: tuple[Any, Any, bool] | None = None
     run: Any = None
     option: Any = None
+    rows: int = 0
     enter: bool = False
 
     @property
@@ -55,7 +55,7 @@ def tasks_of(phases: tuple[Phase, ...], stretches: bool) -> tuple[Task, ...]:
         elif over == NODES and tasks and tasks[-1].over == NODES and not tasks[-1].runs:
             tasks[-1] = tasks[-1]._replace(run=run, option=option)
         else:
-            tasks.append(Task(over, run=run, option=option))
+            tasks.append(Task(over, run=run, option=option, rows=phase.rows))
     if stretches:
         return (*tasks, Task(None), Task(POINTS, enter=True))
     last = max(number for number, task in enumerate(tasks) if task.over == POINTS)
@@ -118,7 +118,7 @@ class Tasks(Executor):
                         if ti.static(task.runs):
                             task.run(self.store, k % self.grid.columns, k // self.grid.columns, step, task.option)
                 elif ti.static(task.over == ROWS):
-                    for j in range(self.grid.rows):
+                    for j in range(task.rows or self.grid.rows):
                         step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
                         task.run(self.store, j, step, task.option)
                 else:

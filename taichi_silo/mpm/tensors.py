@@ -6,7 +6,7 @@ unary minus: write 0.0 - a).
 Sign convention of the whole solver: tension positive.
 """
 
-import taichi as ti
+from taichi_silo.mpm.language import ti
 
 
 @ti.func

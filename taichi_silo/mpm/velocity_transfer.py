@@ -12,12 +12,11 @@ The contract, a frozen dataclass:
     and, with SECOND_TRANSFER, what comes back of the grid's old velocity after one more trip to the nodes.
 """
 
-from dataclasses import dataclass
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 
-import taichi as ti
 
-
-@dataclass(frozen=True)
+@frozen
 class Flip:
     """The change only, so nothing is smeared, and nothing that the grid cannot see is damped."""
 
@@ -29,7 +28,7 @@ class Flip:
         return old + change
 
 
-@dataclass(frozen=True)
+@frozen
 class Pic:
     """The grid's velocity itself: a viscosity of about density h^2 / (4 dt)."""
 
@@ -41,7 +40,7 @@ class Pic:
         return grid
 
 
-@dataclass(frozen=True)
+@frozen
 class Blend:
     """FLIP with a share of PIC in each step."""
 
@@ -55,21 +54,21 @@ class Blend:
         return (1.0 - self.share) * (old + change) + self.share * grid
 
 
-@dataclass(frozen=True)
+@frozen
 class Enhanced(Flip):
     """FLIP, whose points give the nodes their velocity gradient as well (Wallstedt and Guilkey 2007)."""
 
     GRADIENT = "strain"
 
 
-@dataclass(frozen=True)
+@frozen
 class Apic(Pic):
     """PIC with an affine velocity field in each point (Jiang et al. 2015): keeps angular momentum."""
 
     GRADIENT = "affine"
 
 
-@dataclass(frozen=True)
+@frozen
 class Xpic:
     """XPIC of order 2 (Hammerquist and Nairn 2017): PIC that leaves what the grid sees, to second order.
 

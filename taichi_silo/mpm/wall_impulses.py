@@ -1,9 +1,9 @@
 """Impulses on the sand, added up over the steps since they were last read."""
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import tomli_w
 
 from taichi_silo.errors import BadInput
+from taichi_silo.mpm import language
 from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
@@ -231,7 +232,7 @@ def write_tables(folder: Path, tables: dict, program: dict) -> None:
     tables["program"] = {
         "taichi_silo": version("taichi-silo"),
         "revision": _revision(),
-        "taichi": version("taichi"),
+        language.NAME: version(language.NAME),
         "python": platform.python_version(),
         "precision": "f64",
         **program,

@@ -24,7 +24,9 @@ def needed(scene: Scene) -> float:
     """Bytes that a run of a scene takes, on the processor; rather too few than too many."""
     points = scene.points / (2 if half_model(scene)[0] or scene.silo.section == "round" else 1)
     kernel, _ = scene.averaging.kernel(scene.sand, scene.spacing_m)
-    pairs = most_pairs(kernel.radius, scene.spacing_m, int(points)) if kernel else 0
+    pairs = 0
+    if kernel and scene.averaging.summed_by(kernel, scene.spacing_m) == "rows":
+        pairs = most_pairs(kernel.radius, scene.spacing_m, int(points))
     return OF_PROCESS + OF_POINT * points + OF_PAIR * pairs
 
 

@@ -1,12 +1,11 @@
 """Named sands, and files with one's own."""
 
-import tomllib
-from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from taichi_silo.errors import BadInput
+from taichi_silo.scene.published_sands import published
 from taichi_silo.scene.sand import Sand
 from taichi_silo.utils import bounded_reading
 from taichi_silo.utils.messages import near, shown
@@ -14,11 +13,6 @@ from taichi_silo.utils.schema import one_sentence
 
 LONGEST = 100  # letters of a name
 NOTES = ("title", "source", "read_in")
-
-
-def published() -> dict[str, dict]:
-    """Every named sand: its constants, `title`, `source`, and `read_in`, where the numbers were read."""
-    return tomllib.loads(Path(__file__).with_name("sands.toml").read_text(encoding="utf-8"))
 
 
 def constants(table: dict[str, Any]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.neighbour_rows import MOST_PAIRS, most_pairs
-from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, WEIGHTS, Weight, self_weight
+from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, WEIGHTS, Weight, self_weight, summed_by
 from taichi_silo.scene.method_options import MethodOptions, Shape
 from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.silo import Silo
@@ -137,6 +137,16 @@ class Averaging(Options):
         """Characteristic length l_c [m]: as given, or three mean grain diameters."""
         return 3.0 * sand.d50_m if self.characteristic_length_m is None else self.characteristic_length_m
 
+    means: Literal["grid", "rows"] | None = Field(
+        None,
+        description="how the mean is summed: over rows of neighbours, or, a Gaussian, by way of a grid; the faster one "
+        "if absent",
+    )
+
+    def summed_by(self, kernel: Weight, spacing_m: float) -> str:
+        """How the mean is summed: "grid" or "rows"."""
+        return self.means or summed_by(kernel, spacing_m)
+
     @property
     def walls_count(self) -> bool:
         """Whether walls that sand sticks to count in the mean."""
@@ -151,7 +161,11 @@ class Averaging(Options):
             raise ValueError(
                 f"characteristic length is {length:g} m; it must be between 0 and the width of {width_m:g} m"
             )
-        if length > 0.0 and most_pairs(WEIGHTS[self.weight](length).radius, spacing_m, points) > MOST_PAIRS:
+        if self.means == "grid" and self.weight != "gaussian":
+            raise ValueError(f"weight is {self.weight}; summed by a grid it must be gaussian")
+        kernel = WEIGHTS[self.weight](length)
+        by_rows = length > 0.0 and self.summed_by(kernel, spacing_m) == "rows"
+        if by_rows and most_pairs(kernel.radius, spacing_m, points) > MOST_PAIRS:
             raise ValueError(
                 f"characteristic length is {length:g} m; with {points} points {1e3 * spacing_m:g} mm apart that makes "
                 f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one or larger cells"

@@ -73,8 +73,8 @@ def _obstacle(scene: "Scene") -> str:
     if cells % 2 or cells < FEWEST_CELLS:
         return f"{cells} cells across have no half (an even number of at least {FEWEST_CELLS} has)"
     kernel, _ = scene.averaging.kernel(scene.sand, scene.spacing_m)
-    if kernel is not None:
-        return f"the non-local average, {1e3 * kernel.length_m:g} mm long, reaches across the axis"
+    if kernel is not None and scene.averaging.summed_by(kernel, scene.spacing_m) == "rows":
+        return f"the non-local average, {1e3 * kernel.length_m:g} mm long, is summed over neighbours across the axis"
     if scene.method.stress_filter not in ("none", "patch"):
         return f"the {scene.method.stress_filter} filter averages across the axis"
     return ""

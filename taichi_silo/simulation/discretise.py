@@ -1,11 +1,11 @@
 """From a scene to the model of its silo: points, grid and walls in the frame of the grid."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from taichi_silo.mpm.contracts import Wall
+from taichi_silo.mpm.frozen import replaced
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.laws.stress_point import wave_speed
@@ -58,7 +58,7 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
         mass=section.factor * float(fill["mass"].sum()),
         particles=particles,
         grid=grid,
-        averaging=averaging_of(scene, kernel, particles, grid, walls),
+        averaging=averaging_of(scene, section, kernel, particles, grid, walls),
         about_averaging=about_averaging,
         walls=walls,
         surfaces=surfaces,
@@ -136,13 +136,16 @@ def fill_of(scene: Scene, section: Section, law: GudehusBauer | Intergranular, d
 
 
 def averaging_of(
-    scene: Scene, kernel: Weight | None, particles: Particles, grid: Grid, walls: tuple[Wall, ...]
+    scene: Scene, section: Section, kernel: Weight | None, particles: Particles, grid: Grid, walls: tuple[Wall, ...]
 ) -> NonLocal | None:
     """The non-local average, in which walls of no slip count if the scene wants it."""
     if kernel is None:
         return None
     planes = [wall.plane(grid) for wall in walls if isinstance(wall, PlaneWall) and isinstance(wall.contact, NoSlip)]
-    return NonLocal(kernel, particles, scene.spacing_m, rigid_planes=planes if scene.averaging.walls_count else ())
+    return NonLocal(
+        kernel, particles, scene.spacing_m, rigid_planes=planes if scene.averaging.walls_count else (), grid=grid,
+        mirrored=section.half, by=scene.averaging.means,
+    )  # fmt: skip
 
 
 def side_contact(scene: Scene, friction_angle_deg: float | None = None) -> Coulomb | NoSlip:
@@ -164,10 +167,10 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
     plate = Coulomb(scene.walls.bottom_friction_angle_deg)
     floor = grid.node_along(0.0)
     # in the corner the floor bears the sand: a wall of no slip would hold it, and where the bottom sinks pull it down
-    sides = tuple(replace(wall, bears_from=floor + 1) if isinstance(wall.contact, NoSlip) else wall for wall in sides)
+    sides = tuple(replaced(wall, bears_from=floor + 1) if isinstance(wall.contact, NoSlip) else wall for wall in sides)
     if silo.floor_is_outlet:
         fade = max(1.0, FADE * silo.width_m / h)
-        fading = [replace(wall, fade=fade) if isinstance(wall.contact, NoSlip) else wall for wall in sides]
+        fading = [replaced(wall, fade=fade) if isinstance(wall.contact, NoSlip) else wall for wall in sides]
         return (*fading, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0)))
     first, last = _edges(scene, section, grid)
     pace = pace_of_edge(last - MARGIN if section.round else None, math.isqrt(scene.grid.points_per_cell))

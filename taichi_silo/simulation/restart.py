@@ -21,19 +21,19 @@ def state_of(solver: Solver) -> dict:
         kept["lanes"] = order
     if solver.filter.BETWEEN_LAUNCHES and solver.filter.revision == solver.particles.revision:
         kept["filter"] = solver.filter.state()
-    if solver.averaging.ACTIVE and solver.averaging.rows.revision == solver.particles.revision:
-        kept["rows"] = solver.averaging.rows.origin | {"builds": solver.averaging.rows.builds}
+    if solver.averaging.ACTIVE and solver.averaging.means.revision == solver.particles.revision:
+        kept["rows"] = solver.averaging.means.origin | {"builds": solver.averaging.means.builds}
     return kept
 
 
 def restore(solver: Solver, kept: dict, points: dict[str, np.ndarray], revision: int) -> None:
     """Load points, which get this number of revision, and what `state_of` took when they were there."""
     if solver.averaging.ACTIVE:
-        solver.averaging.rows.forget()
+        solver.averaging.means.forget()
         if "rows" in kept:
             origin = {name: kept["rows"][name] for name in ("position", "volume")}
             solver.particles.load(points | origin, revision)
-            solver.averaging.rows.build()
+            solver.averaging.means.build()
     solver.particles.load(points, revision)
     for key, values in kept["nodes"].items():
         getattr(solver.grid, NODAL[key]).from_numpy(values)

@@ -55,7 +55,8 @@ class Specimen:
     follows, periodic : see `Grid`; fields of a periodic body are alike along x.
     gravity : [m/s2].
     kernel : of the non-local average, or None.
-    rigid_walls : whether walls of no slip count in it (see `NeighbourRows`).
+    rigid_walls : whether walls of no slip count in it (see `Means`).
+    by : whether it is summed over "rows" of neighbours, or by a "grid"; None: the faster one.
     control : noise control.
     shape, options : of the method.
     h : intergranular strain at the start, for a law that remembers.
@@ -65,8 +66,8 @@ class Specimen:
     def __init__(
         self, law, void_ratio, *, width_m, height_m, cell_size_m, walls, stress, per_axis=1, ambient_pressure=0.0,
         left_m=0.0, right_m=None, axisymmetric=False, follows="top", periodic=False, gravity=0.0, kernel=None,
-        rigid_walls=False, control: NoiseControl | None = None, shape="ugimp", options: MethodOptions | None = None,
-        h=(0.0,) * 4,
+        rigid_walls=False, by=None, control: NoiseControl | None = None, shape="ugimp",
+        options: MethodOptions | None = None, h=(0.0,) * 4,
     ):  # fmt: skip
         self.law, self.gravity, self.options = law, gravity, options or MethodOptions()
         right_m = left_m if right_m is None else right_m
@@ -94,8 +95,9 @@ class Specimen:
         rigid = [wall.plane(grid) for wall in found if rigid_walls and isinstance(wall.contact, NoSlip)]
         self.solver = Solver(
             self.particles, grid, shape, law, found, control or NoiseControl(),
-            averaging=NonLocal(kernel, self.particles, spacing, rigid_planes=rigid, alike_along_x=periodic)
-            if kernel else None,
+            averaging=NonLocal(
+                kernel, self.particles, spacing, rigid_planes=rigid, alike_along_x=periodic, grid=grid, by=by
+            ) if kernel else None,
             surroundings=Surroundings(geometry, ambient_pressure), friction_delay_s=0.0,
             **self.options.solver_options(),
         )  # fmt: skip

@@ -11,11 +11,13 @@ import tomllib
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from taichi_silo.errors import BadInput
 from taichi_silo.utils.messages import shown
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 MB = 1_000_000
 LARGEST_TABLES = MB  # bytes of a TOML file; one with every value is of some thousand
@@ -109,11 +111,13 @@ def tables(file) -> dict:
         raise BadInput(f"{file} cannot be read as JSON: it is damaged") from error
 
 
-def frame(file) -> pd.DataFrame:
+def frame(file) -> "pd.DataFrame":
     """The table of a CSV file, its whole rows only; empty and without columns if it has no content.
 
     Raises BadInput if it is not there, or no table.
     """
+    import pandas as pd  # it takes half a second, and most files are no tables
+
     data = content(file, "a table", LARGEST_CURVES)
     if len(data[:LONGEST_HEAD].split(b"\n", 1)[0]) >= LONGEST_HEAD:
         raise BadInput(f"{file} cannot be read as a table: its first line is longer than {LONGEST_HEAD} bytes")

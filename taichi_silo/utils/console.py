@@ -3,11 +3,13 @@
 import json
 import sys
 from dataclasses import dataclass
-
-from rich.console import Console as RichConsole
-from rich.progress import Progress
+from typing import TYPE_CHECKING
 
 from taichi_silo.utils import streams
+
+if TYPE_CHECKING:  # nothing is imported for a command that says nothing
+    from rich.console import Console as RichConsole
+    from rich.progress import Progress
 
 WIDE = 132  # columns of a table that goes to a file or another program
 
@@ -20,14 +22,18 @@ class Console:
     as_json: bool = False  # stdout is kept for one JSON object, the result
 
     @property
-    def terminal(self) -> RichConsole:
+    def terminal(self) -> "RichConsole":
         """For lines, tables and progress bars; silent where nothing is to be said."""
+        from rich.console import Console as RichConsole
+
         stream = sys.stderr if self.as_json else sys.stdout
         width = None if stream.isatty() else WIDE
         return RichConsole(file=stream, quiet=self.quiet, highlight=False, soft_wrap=True, width=width)
 
-    def progress(self) -> Progress:
+    def progress(self) -> "Progress":
         """A progress bar that vanishes at its end; it is drawn on a terminal only."""
+        from rich.progress import Progress
+
         terminal = self.terminal
         return Progress(console=terminal, transient=True, disable=self.quiet or not terminal.is_terminal)
 

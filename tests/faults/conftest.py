@@ -5,10 +5,10 @@ import shutil
 from pathlib import Path
 
 import pytest
-import taichi as ti
 
 from taichi_silo import api
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.language import ti
 from taichi_silo.runs import session
 from taichi_silo.runs.session import run
 from taichi_silo.scene.scene import Machine

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from taichi_silo.scene import sands
+from taichi_silo.scene.published_sands import published
 from taichi_silo.studies.compare.measured import read as read_measured
 from tests.faults.bad import refusal, refused
 
@@ -13,7 +14,7 @@ SANDS = ["x = 1", "n = 0.5", "", "[sand]\nn = 1", "name = []"]
 
 def test_a_sand_that_is_none_is_refused(tmp_path, tried):
     file, texts = tmp_path / "mine.toml", list(SANDS)
-    whole = {name: value for name, value in sands.published()["karlsruhe"].items() if name not in sands.NOTES}
+    whole = {name: value for name, value in published()["karlsruhe"].items() if name not in sands.NOTES}
     for name in whole:
         for wrong in ("nan", "-1", "[]", "true", "0x" + "f" * 5000, "'x'"):
             texts.append("".join(f"{key} = {value}\n" for key, value in (whole | {name: wrong}).items()))

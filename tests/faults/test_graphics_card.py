@@ -10,7 +10,7 @@ SILO = '[grid]\ncell_size_m = 0.05\n[machine]\narch = "cuda"\n'
 
 @pytest.mark.parametrize("how", ["a scenario", "a scenario's name", "a scene file", "a sweep"])
 def test_a_graphics_card_that_is_not_there_is_told_and_nothing_is_written(how, tmp_path, monkeypatch, capsys, tried):
-    monkeypatch.setattr(runtime.ti._lib.core, "with_cuda", lambda: False)
+    monkeypatch.setattr(runtime, "has_cuda", lambda: False)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "silo.toml").write_text(SILO)
     words = {

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
-import taichi as ti
 
 from taichi_silo.analysis.theory.janssen import Janssen
 from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.field_store import Fields
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.mpm.p2g import scatter
 from taichi_silo.runs.observers.wall_profiles import wall_stress

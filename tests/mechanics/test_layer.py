@@ -13,10 +13,10 @@ from validation.layer import layer, sheared
 from validation.layer_study import CASES
 
 
-def curve(case, cells, points, until_mm, **options):
+def curve(case, cells, points, until_mm, means=None, wall="ignored", **options):
     """Displacements [m] and shear stresses [Pa], the layer at the end, and the reference's shear stresses."""
     runtime.init()
-    piece = layer(*CASES[case], cells, points, MethodOptions(**options))
+    piece = layer(*CASES[case], cells, points, MethodOptions(**options), wall=wall, means=means)
     u, tau, _height = np.array(list(sheared(piece, 1e-3 * until_mm))).T
     return u, tau, piece
 
@@ -52,6 +52,14 @@ def test_a_wall_that_counts_as_rigid_moves_the_zone_into_the_sand(data):
     u, tau, _height = np.array(list(sheared(layer(*CASES["a"], 1, 1, wall="rigid"), 1e-3))).T
     assert np.abs(errors(data, "a_wall_counts", u, tau, [0.5, 1])).max() < 0.01
     assert errors(data, "a", u, tau, [1])[0] > 0.015
+
+
+@pytest.mark.parametrize("wall", ["ignored", pytest.param("rigid", marks=pytest.mark.long)])
+def test_means_by_the_grid_shear_the_layer_as_those_over_rows_to_a_thousandth(wall):
+    u, tau, _ = curve("a", 2, 1, 1, "rows", wall)
+    _, by_grid, _ = curve("a", 2, 1, 1, "grid", wall)
+    later = u > 1e-4
+    assert np.abs(by_grid[later] / tau[later] - 1.0).max() < 1e-3
 
 
 @pytest.mark.long

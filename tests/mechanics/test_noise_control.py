@@ -6,6 +6,7 @@ import pytest
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.scene import sands
+from taichi_silo.scene.published_sands import published
 from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Sand, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import Simulation
 
@@ -56,7 +57,7 @@ def test_silos_as_high_as_wide_to_twelve_times_as_high(angle, slenderness):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("sand", sorted(sands.published()))
+@pytest.mark.parametrize("sand", sorted(published()))
 def test_all_sands(sand):
     holds(28.0, sand=sands.sand(sand, 0.70))
 

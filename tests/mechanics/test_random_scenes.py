@@ -11,6 +11,7 @@ from taichi_silo.mpm.solver import STRESS_UPDATES
 from taichi_silo.mpm.velocity_transfer import TRANSFERS
 from taichi_silo.runs.alarms.of_records import LONGEST_STEP
 from taichi_silo.scene import sands
+from taichi_silo.scene.published_sands import published
 from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import Simulation
 
@@ -18,7 +19,7 @@ from taichi_silo.simulation.simulation import Simulation
 @st.composite
 def any_sand(draw):
     """One of the published sands, from nearly its densest to nearly its loosest packing."""
-    name, table = draw(st.sampled_from(sorted(sands.published().items())))
+    name, table = draw(st.sampled_from(sorted(published().items())))
     e = table["e_d0"] + draw(st.floats(0.05, 0.9)) * (table["e_i0"] - table["e_d0"])
     return sands.sand(name, e, law=draw(st.sampled_from(["gudehus-bauer", "intergranular"])))
 

@@ -2,8 +2,8 @@ import imageio_ffmpeg
 import matplotlib
 import numpy as np
 import pytest
-import taichi as ti
 
+from taichi_silo.mpm.language import ti
 from taichi_silo.runs.point_fields import Scale
 from taichi_silo.show.film.canvas import BACKGROUND, Canvas, Course
 from taichi_silo.show.film.encoder import encode

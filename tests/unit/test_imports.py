@@ -49,3 +49,10 @@ def test_heavy_libraries_stay_where_they_are_used():
         for name in imports(file):
             allowed = ONLY_IN.get(name.split(".")[0])
             assert allowed is None or room(file) in allowed, f"{file} imports {name}"
+
+
+def test_the_language_of_the_kernels_is_imported_in_one_place():
+    folders = [PACKAGE, *(PACKAGE.parent / name for name in ("tests", "validation", "benchmarks", "scenarios"))]
+    files = [file for folder in folders for file in folder.rglob("*.py")]
+    found = {file.name for file in files for name in imports(file) if name.split(".")[0] in ("taichi", "quadrants")}
+    assert found == {"language.py"}

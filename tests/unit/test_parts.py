@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import ClassVar
 
 import pytest
-import taichi as ti
 
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.walls import Coulomb
 from taichi_silo.runs.method_choices import parts

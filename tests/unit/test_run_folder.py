@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from taichi_silo.mpm import language
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.utils import checked_npz
 
@@ -77,7 +78,7 @@ def test_parameters_run_again(folder):
     subprocess.run(command, check=True, capture_output=True, timeout=300)
     assert (place / "forces.csv").read_text() == (folder / "forces.csv").read_text()
     text = (folder / "run.toml").read_text()
-    assert all(name in text for name in ("revision", "taichi", "precision", "wall_seconds", "arch"))
+    assert all(name in text for name in ("revision", language.NAME, "precision", "wall_seconds", "arch"))
 
 
 def test_snapshots_open_and_hold_the_fields(folder):

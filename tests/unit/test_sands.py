@@ -6,9 +6,10 @@ import pytest
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm.laws.stress_point import StressPoint
 from taichi_silo.scene import sands
+from taichi_silo.scene.published_sands import published
 from taichi_silo.studies.element_tests import TESTS, start_strain, through_point
 
-NAMES = list(sands.published())
+NAMES = list(published())
 OWN = (
     "critical_friction_angle_deg = 31.0\ngranular_hardness_Pa = 1e9\nn = 0.3\nalpha = 0.2\nbeta = 1.5\n"
     "e_i0 = 1.1\ne_c0 = 0.95\ne_d0 = 0.6\ngrain_density_kg_per_m3 = 2650.0\nd50_m = 0.3e-3\n"
@@ -17,14 +18,14 @@ OWN = (
 
 def of(name, share=0.5):
     """A sand at a void ratio between e_d0 (0) and e_c0 (1)."""
-    constants = sands.published()[name]
+    constants = published()[name]
     return sands.sand(name, constants["e_d0"] + share * (constants["e_c0"] - constants["e_d0"]))
 
 
 def test_there_are_the_papers_sand_and_at_least_five_more_each_with_a_source():
     assert NAMES[0] == "karlsruhe"
     assert len(NAMES) >= 6
-    assert all(entry["source"] and entry["read_in"] for entry in sands.published().values())
+    assert all(entry["source"] and entry["read_in"] for entry in published().values())
 
 
 @pytest.mark.parametrize("name", NAMES)

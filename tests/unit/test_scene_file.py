@@ -13,6 +13,7 @@ from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.scene import reference, sands
 from taichi_silo.scene.dotted_paths import changed, known, value
 from taichi_silo.scene.fidelity import fidelities, fidelity
+from taichi_silo.scene.published_sands import published
 from taichi_silo.scene.scene import Flow, Mesh, Scene, Walls
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.scene.silo import Insert, Outlet, Silo
@@ -73,11 +74,11 @@ def test_a_run_toml_is_a_scene(read, tmp_path):
 @settings(max_examples=25, deadline=None)
 @given(
     width=st.integers(4, 40), height=st.integers(6, 60), speed=st.floats(1e-5, 0.1), share=st.floats(0.01, 1.0),
-    walls=st.sampled_from(["smooth", "very-rough"]), name=st.sampled_from(sorted(sands.published())),
+    walls=st.sampled_from(["smooth", "very-rough"]), name=st.sampled_from(sorted(published())),
     outlet=st.none() | st.tuples(st.integers(2, 3), st.sampled_from(["centre", "left", "right"])),
 )  # fmt: skip
 def test_a_scene_written_and_read_is_the_same(tmp_path_factory, width, height, speed, share, walls, name, outlet):
-    h, constants = 0.01, sands.published()[name]
+    h, constants = 0.01, published()[name]
     gate = None
     if outlet:
         columns, position = outlet
@@ -149,9 +150,9 @@ def test_a_file_that_is_not_there_or_no_text_is_refused(tmp_path):
             read_scene(tmp_path / name)
 
 
-@pytest.mark.parametrize("name", sands.published())
+@pytest.mark.parametrize("name", published())
 def test_in_the_template_another_name_is_another_sand(read, name):
-    constants = sands.published()[name]
+    constants = published()[name]
     e = round(0.5 * (constants["e_d0"] + constants["e_c0"]), 3)
     text = reference.template().replace('"karlsruhe"', f'"{name}"').replace("void_ratio = 0.6 ", f"void_ratio = {e} ")
     assert read(text).sand == sands.sand(name, e)

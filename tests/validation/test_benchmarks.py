@@ -8,8 +8,10 @@ import pytest
 from benchmarks import bench
 from benchmarks.figure import draw
 from benchmarks.parts import markdown, row, standard, trials
-from benchmarks.phases import Neighbours, Phases
-from taichi_silo.mpm.nonlocal_average import Gaussian, NonLocal
+from benchmarks.phases import Averages, Phases
+from taichi_silo.mpm.grid_means import GridMeans
+from taichi_silo.mpm.neighbour_rows import NeighbourRows
+from taichi_silo.mpm.nonlocal_average import Gaussian
 from taichi_silo.scene.scene import Mesh, Scene
 from taichi_silo.simulation.simulation import Simulation
 
@@ -23,12 +25,14 @@ def test_every_phase_runs():
     assert list(phases) == ["particles to grid", "grid", "grid to particles", "grid to particles, law"]
     for run in phases.values():
         run(1, 1e-9)
-    average = NonLocal(Gaussian(simulation.model.spacing), simulation.model.particles, simulation.model.spacing)
-    average.refresh()
-    average.norm.fill(2.5)
-    alone = Neighbours(average)
-    alone.means(1)
-    assert abs(alone.found.to_numpy() - 2.5).max() < 1e-14
+    kernel, particles = Gaussian(simulation.model.spacing), simulation.model.particles
+    for means in (
+        NeighbourRows(kernel, particles, simulation.model.spacing), GridMeans(kernel, particles, simulation.model.grid),
+    ):  # fmt: skip
+        means.build()
+        alone = Averages(means)
+        alone.steps(2)
+        assert abs(alone.found.to_numpy() - 1.0).max() < 1e-14
 
 
 def test_every_trial_of_a_part_changes_the_scene_or_how_it_is_compiled():

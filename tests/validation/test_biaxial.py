@@ -68,7 +68,7 @@ def test_kept_rows_of_neighbours_give_the_curve_of_rows_built_every_few_steps(mo
         monkeypatch.setattr(NonLocal.__init__, "__defaults__", (tolerance,))
         runtime.init()
         test = Biaxial(SCENE.model_copy(update={"shortening": 0.013}))
-        curves.append((pd.DataFrame([vars(row) for row in test.run()]), test.specimen.solver.averaging.rows.builds))
+        curves.append((pd.DataFrame([vars(row) for row in test.run()]), test.specimen.solver.averaging.means.builds))
     (kept, few), (new, many) = curves
     assert many > 10 * few
     difference = np.abs(kept.friction_angle_deg - new.friction_angle_deg)

@@ -1,8 +1,8 @@
 """Failure mode 6: integration of the law over a step that is too long for it."""
 
 import numpy as np
-import taichi as ti
 
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.mpm.laws.stress_point import StressPoint
 from taichi_silo.mpm.tensors import added, norm

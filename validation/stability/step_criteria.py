@@ -18,9 +18,8 @@
 
 import math
 
-import taichi as ti
-
 from taichi_silo.mpm.g2p import gradient
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.point_weights import weights
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.solver import Solver

@@ -25,7 +25,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
 from taichi_silo.analysis.measure.raster import Raster, clean, first_fall
 from taichi_silo.analysis.measure.wall_pressure import SURFACE
@@ -143,6 +142,8 @@ def _channel(
     """Heights of rows, and the channel's left and right boundary about the fastest place of each [m]."""
     raster = Raster.over(points, width_m, spacing, bottom_m=0.0, top_m=top)
     rows = 2 * int(0.5 * window / raster.cell_m) + 1
+    from scipy.ndimage import uniform_filter1d  # it takes a tenth of a second
+
     field = uniform_filter1d(raster.of(relative), rows, axis=0, mode="nearest")
     left, right = np.full(len(field), np.nan), np.full(len(field), np.nan)
     there = raster.inside.any(axis=1)

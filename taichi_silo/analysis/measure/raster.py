@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import map_coordinates
 from scipy.spatial import cKDTree
 
 NEIGHBOURS = 12
@@ -111,5 +110,7 @@ class Raster:
 
     def at(self, field: NDArray, places: NDArray) -> NDArray:
         """Values of a field (rows, columns) at places (..., 2), bilinear, constant outside the middles."""
+        from scipy.ndimage import map_coordinates  # it takes a tenth of a second
+
         column, row = (places[..., k] - first for k, first in ((0, self.x_m[0]), (1, self.y_m[0])))
         return map_coordinates(field, [row / self.cell_m, column / self.cell_m], order=1, mode="nearest")

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from taichi_silo.analysis.measure.peaks import peaks
 from taichi_silo.analysis.measure.raster import clean, first_fall, inverse_distance_mean
 
 SMALLEST_CHANGE = 0.01  # of the void ratio; anything below is no zone
@@ -119,9 +120,7 @@ def interior_zone_count(
     if band - background < smallest_change:
         return none
     rise = threshold * (band - background)
-    from scipy.signal import find_peaks  # with it comes all of scipy.stats, for half a second
-
-    peak, _ = find_peaks(profile, height=background + rise, prominence=0.5 * rise)
+    peak = peaks(profile, background + rise, 0.5 * rise)
     return InteriorZones(len(peak), rows[peak])
 
 

@@ -9,9 +9,9 @@ def command(json: JsonFlag = False) -> None:
     from rich.table import Table
 
     from taichi_silo.cli import catalogue
-    from taichi_silo.scene import sands
+    from taichi_silo.scene.published_sands import published as published_sands
 
-    found, published = catalogue.scenarios(), sands.published()
+    found, published = catalogue.scenarios(), published_sands()
     console = Console(as_json=json)
     if json:
         console.result({"scenarios": found, "sands": {name: sand["title"] for name, sand in published.items()}})

@@ -1,13 +1,11 @@
 """Isotropic linear elasticity in rate form: the yardstick of the solver's own tests."""
 
-from dataclasses import dataclass
-
-import taichi as ti
-
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.tensors import added, shifted, trace
 
 
-@dataclass(frozen=True)
+@frozen
 class Elastic:
     """Hooke's law for the Jaumann rate: lambda tr(D) I + 2 G D."""
 

@@ -7,17 +7,16 @@ E. Bauer, Soils Found. 36 (1996) 13-26, with h_i and the sign of cos 3 theta der
 """
 
 import math
-from dataclasses import dataclass
 
-import taichi as ti
-
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.simd.lane_maths import exp_minus, greatest, power
 from taichi_silo.mpm.tensors import added, chosen, inner, largest_principal, pressure_of, scaled, shifted, trace_of_cube
 
 SQRT6 = math.sqrt(6.0)
 
 
-@dataclass(frozen=True)
+@frozen
 class GudehusBauer:
     """Karlsruhe sand of the paper unless told otherwise.
 

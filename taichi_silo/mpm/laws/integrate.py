@@ -6,8 +6,7 @@ the first (`law.advanced_factors`), so that a step that is not divided computes 
 Source: S. W. Sloan, Int. J. Numer. Meth. Eng. 24 (1987) 893-911.
 """
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.simd.lane_maths import greatest
 from taichi_silo.mpm.tensors import added, chosen, inner, spun, trace
 

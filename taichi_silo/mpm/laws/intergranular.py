@@ -13,16 +13,16 @@ With rho = 1 and D along h this is the skeleton itself; without h, or on reversa
 Source: A. Niemunis, I. Herle, Mech. Cohes.-Frict. Mater. 2 (1997) 279-299.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
-import taichi as ti
-
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws.gudehus_bauer import GudehusBauer
 from taichi_silo.mpm.simd.lane_maths import power
 from taichi_silo.mpm.tensors import added, inner, norm, scaled
 
 
-@dataclass(frozen=True)
+@frozen
 class Intergranular:
     """A skeleton with memory; the defaults are the set that Niemunis and Herle give for Hochstetten sand.
 

@@ -1,9 +1,9 @@
 """Drive any law along a path at one point, on the very functions that the solver uses."""
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm.contracts import Law, Numbers
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws.integrate import update
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.tensors import norm

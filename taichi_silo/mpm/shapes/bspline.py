@@ -1,13 +1,11 @@
 """Quadratic B-splines: smooth gradients without domains."""
 
-from dataclasses import dataclass
-
-import taichi as ti
-
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.shapes.ugimp import UniformGimp
 
 
-@dataclass(frozen=True)
+@frozen
 class QuadraticSpline:
     """Three nodes an axis: 3/4 - d^2 at a distance d < 1/2 from a node, (3/2 - |d|)^2 / 2 beyond.
 

@@ -1,9 +1,7 @@
 """Convected particle domain interpolation: parallelograms that deform with the sand (CPDI1)."""
 
-from dataclasses import dataclass
-
-import taichi as ti
-
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.shapes import stable_step
 
 LONGEST = 2.0  # edge of a domain, in cells: a corner is at most so far from its point, which the grid's margin holds
@@ -11,7 +9,7 @@ FLATTEST = 0.5  # sine of the angle between the edges
 CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
 
 
-@dataclass(frozen=True)
+@frozen
 class ConvectedDomain:
     """The shape functions are interpolated linearly between the corners of the parallelogram with edges r1, r2.
 

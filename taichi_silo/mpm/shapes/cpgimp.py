@@ -1,15 +1,13 @@
 """Generalised interpolation whose domains grow and shrink with the sand along the axes: contiguous-particle GIMP."""
 
-from dataclasses import dataclass
-
-import taichi as ti
-
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.shapes.ugimp import UniformGimp
 
 LEAST, MOST = 0.05, 1.0  # half size of a domain, in cells: four nodes an axis hold a domain of two cells
 
 
-@dataclass(frozen=True)
+@frozen
 class ContiguousGimp:
     """Hat functions averaged over a rectangle of half sizes l_i = l_i0 F_ii (F: deformation gradient).
 

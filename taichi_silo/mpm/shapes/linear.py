@@ -1,14 +1,13 @@
 """Linear hat functions: the standard material point method, with its cell-crossing error."""
 
-from dataclasses import dataclass
-
 import numpy as np
-import taichi as ti
 
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.shapes import stable_step
 
 
-@dataclass(frozen=True)
+@frozen
 class Linear:
     """Two nodes an axis; the gradient jumps where a point crosses a cell edge."""
 

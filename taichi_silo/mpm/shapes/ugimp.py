@@ -1,13 +1,11 @@
 """Generalised interpolation (Bardenhagen and Kober 2004) with domains of fixed size: uGIMP."""
 
-from dataclasses import dataclass
-
-import taichi as ti
-
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.shapes import stable_step
 
 
-@dataclass(frozen=True)
+@frozen
 class UniformGimp:
     """Hat functions averaged over a point's domain, which keeps its initial size.
 

@@ -7,13 +7,13 @@ order of every sum, and with it every bit of the result, is the same for one thr
 from typing import Any
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.executors import Executor, Phase, PhaseLoop
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.simd.store import Groups, Layout
@@ -47,12 +47,13 @@ class Simd(Executor):
     """Runs phases over groups of eight points (`executors` says what an executor is, `store.Layout` its arrays)."""
 
     def __init__(
-        self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings
-    ):
+        self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings,
+        kept: int,
+    ):  # fmt: skip
         self.particles, self.grid, self.shape = particles, grid, shape
         self.threads = runtime.threads()
         self.loop = PhaseLoop(phases, grid, self.threads)
-        self.layout = Layout(particles, grid, shape, surroundings, max(STRIPS, self.loop.threads))
+        self.layout = Layout(particles, grid, shape, surroundings, max(STRIPS, self.loop.threads), kept)
         self.points = runtime.array(eight, self.layout.groups * self.layout.record)
         self.sums = runtime.array(eight, self.layout.strips * grid.nodes)
         self.nodal = runtime.array(eight, grid.nodes)

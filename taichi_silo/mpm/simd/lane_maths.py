@@ -14,9 +14,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.simd.vectors import is_eight
 
 ROOT2 = math.sqrt(2.0)

@@ -7,11 +7,10 @@ of points with the same nodes stay in registers.
 
 from typing import Any
 
-import taichi as ti
-
 from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.p2g import point_contributions
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.point_weights import weights
@@ -40,7 +39,7 @@ class Layout:
     ==============  ===============  ===================================================================
     array of eight  shape            meaning
     ==============  ===============  ===================================================================
-    points          group * record   the fields of eight points, one after the other
+    points          group * record   the fields of eight points, one after the other; what they keep within a step
     sums            strip * node     what the points of a strip gave to a node, by slots
     nodal           node             what a point may gather there: velocity, change, velocity, velocity
     ==============  ===============  ===================================================================
@@ -49,12 +48,14 @@ class Layout:
     the first and last row of nodes that a strip touched.
     """
 
-    def __init__(self, particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings, strips: int):
+    def __init__(
+        self, particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings, strips: int, kept: int
+    ):
         self.particles, self.grid, self.shape, self.surroundings = particles, grid, shape, surroundings
         self.strips = strips
         self.groups = (particles.count + LANES - 1) // LANES
         widths = [particles.WIDTHS.get(name, 1) for name in particles.names]
-        self.record = sum(widths)
+        self.record = sum(widths) + kept  # which are its last numbers
         self.begins = {name: sum(widths[:k]) for k, name in enumerate(particles.names)}
         self.order = ti.field(ti.i32, shape=self.groups * LANES)
         self.reach = ti.field(ti.i32, shape=(strips, 16))
@@ -95,18 +96,34 @@ class Groups:
                 self.points[k + c] = value[c]
 
     @ti.func
-    def keep(self, field: ti.template(), g, value):
-        """Set the entries of the points in a scalar field by points."""
-        for lane in ti.static(range(LANES)):
-            field[self.order[g * LANES + lane]] = value[lane]
+    def keep(self, fields: ti.template(), g, values):
+        """Set the numbers that outlive a phase."""
+        for c in ti.static(range(len(fields))):
+            self.points[(g + 1) * self.layout.record - ti.static(len(fields) - c)] = values[c]
 
     @ti.func
-    def kept(self, field: ti.template(), g):
-        """The entries of the points in a scalar field by points."""
-        values = eight(0.0)
+    def kept(self, fields: ti.template(), g):
+        """The numbers that outlive a phase."""
+        k = (g + 1) * self.layout.record - ti.static(len(fields))
+        return (
+            self.points[k], self.points[k + 1], self.points[k + 2], self.points[k + 3], self.points[k + 4],
+            self.points[k + 5],
+        )  # fmt: skip
+
+    @ti.func
+    def hand(self, function: ti.template(), g, t, value):
+        """Call the function for each point."""
+        copy = 0
+        for strip in ti.static(range(1, self.strips)):
+            if g >= self.first_group(strip):
+                copy = strip
         for lane in ti.static(range(LANES)):
-            values[lane] = field[self.order[g * LANES + lane]]
-        return values
+            function(self, self.order[g * LANES + lane], value[lane], copy)
+
+    @ti.func
+    def add(self, sums: ti.template(), k, value):
+        """Add to entry k of a sum."""
+        sums[k] = sums[k] + value
 
     @ti.func
     def each(self, function: ti.template(), g):

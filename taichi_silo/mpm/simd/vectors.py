@@ -3,8 +3,7 @@
 import contextlib
 from collections.abc import Iterator
 
-import taichi as ti
-
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 
 LANES = 8
@@ -21,8 +20,8 @@ def is_eight(value: object) -> bool:
 def compiling_simd() -> Iterator[None]:
     """Kernels that are called here for the first time keep vectors of eight as vectors of the processor.
 
-    That is a switch inside Taichi 1.7, which ends the whole process where it meets an operation that it does not know
-    (unary minus, abs, cast, exp, log of a vector): `selftest` tries it first.
+    That is a switch inside Taichi 1.7 and its fork, which end the whole process where they meet an operation that they
+    do not know (unary minus, abs, cast, exp, log of a vector): `selftest` tries it first.
     """
     configuration = ti.lang.impl.current_cfg()
     configuration.real_matrix_scalarize = False

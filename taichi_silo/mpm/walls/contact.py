@@ -6,12 +6,12 @@ pairs (x, y).
 """
 
 import math
-from dataclasses import dataclass
 
-import taichi as ti
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 
 
-@dataclass(frozen=True)
+@frozen
 class Coulomb:
     """Unilateral contact with Coulomb friction, by impulse (Bardenhagen et al. 2000).
 
@@ -45,7 +45,7 @@ class Coulomb:
         return x, y
 
 
-@dataclass(frozen=True)
+@frozen
 class NoSlip:
     """A very rough wall: the sand moves with it and does not part from it."""
 
@@ -55,7 +55,7 @@ class NoSlip:
         return 0.0 * relative[0], 0.0 * relative[1]
 
 
-@dataclass(frozen=True)
+@frozen
 class Frictionless:
     """A smooth plate from which the sand does not part: the axis of symmetry, the plates of a specimen."""
 
@@ -66,7 +66,7 @@ class Frictionless:
         return relative[0] - along * normal[0], relative[1] - along * normal[1]
 
 
-@dataclass(frozen=True)
+@frozen
 class RoughFree:
     """A rough plate that floats on the sand: no sliding, free along its normal (the top of a shear box)."""
 

@@ -16,9 +16,9 @@ rebounds.
 import math
 
 import numpy as np
-import taichi as ti
 
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 

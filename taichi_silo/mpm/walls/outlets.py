@@ -6,10 +6,8 @@ gate, and above an open gate it is free. In a round silo less of it lies in the 
 below it belong to the gate, so that what has passed touches the floor no more.
 """
 
-from dataclasses import dataclass
-
-import taichi as ti
-
+from taichi_silo.mpm.frozen import frozen
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.walls.contact import Coulomb, NoSlip
 
 OPENED = -20.0  # speed of a gate that sand cannot follow [m/s]
@@ -31,7 +29,7 @@ def pace_of_edge(radius_cells: float | None, points_across: int) -> float:
     return 0.5 - (1.0 / 6.0 + 1.0 / (12.0 * points_across**2)) / radius_cells
 
 
-@dataclass(frozen=True)
+@frozen
 class FloorRow:
     """What lies below a row of nodes.
 
@@ -59,7 +57,7 @@ class FloorRow:
         return 0.0, -1.0
 
 
-@dataclass(frozen=True)
+@frozen
 class OpenFloor(FloorRow):
     """The floor beside the opening; it stands still."""
 
@@ -72,7 +70,7 @@ class OpenFloor(FloorRow):
         return j <= self.row and (i < self.first or i > self.last)
 
 
-@dataclass(frozen=True)
+@frozen
 class Edges(FloorRow):
     """The nodes at the edges of the opening."""
 
@@ -85,7 +83,7 @@ class Edges(FloorRow):
         return j == self.row and (i == self.first or i == self.last)
 
 
-@dataclass(frozen=True)
+@frozen
 class Gate(FloorRow):
     """What the sand in the opening stands on: it sinks with the plate velocity, and the sand with it.
 

@@ -1,14 +1,12 @@
 """Plane walls along grid lines."""
 
-from dataclasses import dataclass
-
-import taichi as ti
-
+from taichi_silo.mpm.frozen import frozen
 from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.walls.contact import Coulomb, Frictionless, NoSlip, RoughFree
 
 
-@dataclass(frozen=True)
+@frozen
 class PlaneWall:
     """All nodes on a grid line and beyond it.
 
@@ -74,7 +72,7 @@ class PlaneWall:
         return across * self.side, (1.0 - across) * self.side
 
 
-@dataclass(frozen=True)
+@frozen
 class FixedNode:
     """One node that does not move along x.
 

@@ -12,12 +12,12 @@ thousandths of a cell. Balance is exact: what nodes get is what is booked. The g
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-import taichi as ti
 
+from taichi_silo.mpm.frozen import frozen
 from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real, whole_numbers
 from taichi_silo.mpm.walls.contact import Coulomb, NoSlip
 
@@ -27,7 +27,7 @@ ON_AXIS = 1e-6  # of a cell: nearer to the axis of a round silo there is no wall
 LEAST = 0.02  # of the density of the full station's surroundings: less sand, and nothing touches
 
 
-@dataclass(frozen=True)
+@frozen
 class Surface:
     """A polygon line; the sand lies to the left of it, seen along its direction.
 

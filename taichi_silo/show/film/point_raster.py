@@ -2,10 +2,10 @@
 
 import matplotlib
 import numpy as np
-import taichi as ti
 from matplotlib.colors import to_rgb
 from PIL import Image, ImageDraw
 
+from taichi_silo.mpm.language import ti
 from taichi_silo.show.film.canvas import BACKGROUND, INK, MISSING
 
 REACH = 0.75  # a point colours what lies within this many spacings of it, in x and in y

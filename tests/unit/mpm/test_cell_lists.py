@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-import taichi as ti
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.cell_lists import CellLists
 from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws import Elastic
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import ConvectedDomain, UniformGimp

@@ -4,7 +4,6 @@ import functools
 
 import numpy as np
 import pytest
-import taichi as ti
 
 from taichi_silo.mpm import graphics_cards, runtime, solver
 from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Threads
@@ -30,6 +29,10 @@ SCENES = {
     "smooth, four points a cell": {"walls": SMOOTH, "grid": Mesh(cell_size_m=0.02, points_per_cell=4)},
     "convected domains": {"grid": Mesh(cell_size_m=0.02, points_per_cell=4, shape="cpdi")},
     "non-local": {"averaging": Averaging(characteristic_length_m=0.01)},
+    "non-local by a grid": {"averaging": Averaging(characteristic_length_m=0.03)},
+    "half, non-local": {
+        "silo": HALF, "grid": Mesh(cell_size_m=0.02), "averaging": Averaging(characteristic_length_m=0.04)
+    },
     "hopper": {"silo": HOPPER, "walls": SMOOTH},
     "half": {"silo": HALF, "grid": Mesh(cell_size_m=0.02)},
     "nine points of hats": {"grid": Mesh(cell_size_m=0.02, points_per_cell=9, shape="linear")},
@@ -118,7 +121,7 @@ def test_threads_and_tasks_agree_to_round_off(name, how):
 
 
 CARDS = [
-    pytest.param("cuda", marks=pytest.mark.skipif(not ti._lib.core.with_cuda(), reason="no CUDA device here")),
+    pytest.param("cuda", marks=pytest.mark.skipif(not runtime.has_cuda(), reason="no CUDA device here")),
     pytest.param(
         "vulkan",
         marks=pytest.mark.skipif(

@@ -20,15 +20,16 @@ VARIANTS = [
     {"walls": "very-rough", "transfer": "xpic"},
     {"walls": "smooth", "shape": "linear", "stress_update": "first"},
     {"walls": "very-rough", "shape": "cpgimp", "stress_update": "modified", "transfer": "gradient"},
+    {"walls": "very-rough", "averaging": 2.0 * CELL},
 ]
 
 
-def scene(half, walls="smooth", shape="ugimp", per_cell=1, law="auto", threads=1, averaging=0.0, **method):
+def scene(half, walls="smooth", shape="ugimp", per_cell=1, law="auto", threads=1, averaging=0.0, means=None, **method):
     return Scene(
         silo=Silo(width_m=ACROSS * CELL, height_m=HIGH * CELL, half=half),
         sand=Sand(law=law), walls=model_silo.walls(walls, 0.60),
         grid=Mesh(cell_size_m=CELL, shape=shape, points_per_cell=per_cell),
-        averaging=Averaging(characteristic_length_m=averaging),
+        averaging=Averaging(characteristic_length_m=averaging, means=means),
         flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), machine=Machine(threads=threads),
         method=Method(filling_time_s=0.2, longest_settling_s=0.1, **method),
     )  # fmt: skip
@@ -104,7 +105,7 @@ SMOOTH = Walls(kind="smooth", friction_angle_deg=19.0)
     [
         (Scene(silo=Silo(width_m=0.1), grid=Mesh(cell_size_m=0.02), walls=SMOOTH), "5 cells"),
         (Scene(silo=Silo(width_m=0.04), walls=SMOOTH), "12.5 times as high as wide"),  # its sand may sway
-        (scene("auto", averaging=0.02), "average, 20 mm long"),  # reaches across the axis
+        (scene("auto", averaging=0.02, means="rows"), "average, 20 mm long"),  # over neighbours across the axis
         (scene("auto", stress_filter="null-space"), "null-space filter"),
     ],
     ids=["odd", "slender", "average", "filter"],
@@ -118,7 +119,10 @@ def test_smooth_walls_are_halved_by_themselves_and_what_cannot_be_says_why(what,
 
 @pytest.mark.parametrize(
     ("choices", "word"),
-    [({"averaging": 0.02}, "average, 20 mm long"), ({"stress_filter": "null-space"}, "null-space filter")],
+    [
+        ({"averaging": 0.02, "means": "rows"}, "average, 20 mm long"),
+        ({"stress_filter": "null-space"}, "null-space filter"),
+    ],
 )
 def test_a_half_that_cannot_be_is_refused(choices, word):
     with pytest.raises(ValueError, match=f"half is yes; .*{word}"):

@@ -3,10 +3,10 @@
 import gc
 
 import pytest
-import taichi as ti
 
 from taichi_silo.mpm import graphics_cards, runtime
 from taichi_silo.mpm.graphics_cards import Card
+from taichi_silo.mpm.language import ti
 
 
 @ti.kernel

@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-import taichi as ti
 
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.shapes import SHAPES, ContiguousGimp, ConvectedDomain, Linear, QuadraticSpline, UniformGimp
 
 SIDE = 12  # nodes along an axis

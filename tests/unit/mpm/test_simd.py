@@ -4,6 +4,7 @@ The formulas run in a process of its own: Taichi aborts on an operation that vec
 """
 
 import json
+import shutil
 import subprocess
 import sys
 
@@ -21,7 +22,7 @@ from taichi_silo.mpm.solver import Solver
 LANES = True  # see conftest.py
 SCRIPT = """
 import numpy as np
-import taichi as ti
+from taichi_silo.mpm.language import ti
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.laws.integrate import update
@@ -179,6 +180,17 @@ class TestSelftest:
         monkeypatch.setattr(selftest, "circumstances", lambda: "another processor")
         selftest.failure.cache_clear()
         assert selftest.failure() == ""
+
+    @pytest.mark.parametrize(("changed", "anew"), [("laws/elastic.py", False), ("simd/vectors.py", True)])
+    def test_circumstances_change_with_how_groups_are_stepped_not_with_formulas(
+        self, monkeypatch, tmp_path, changed, anew
+    ):
+        copy = shutil.copytree(selftest.ROOM.parent, tmp_path / "mpm")
+        monkeypatch.setattr(selftest, "ROOM", copy / "simd")
+        before = selftest.circumstances()
+        with (copy / changed).open("a") as file:
+            file.write("# changed")
+        assert (selftest.circumstances() != before) == anew
 
     def test_a_broken_file_of_verdicts_is_no_verdict(self, python):
         selftest.place().parent.mkdir(parents=True)
