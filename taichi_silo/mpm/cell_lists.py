@@ -36,9 +36,16 @@ class CellLists:
     first_of_crowd  patch, point            node at which the patch of such a point begins
     ==============  ======================  ====================================================================
 
+    Raises
+    ------
+    ValueError
+        if the grid is periodic and narrower than a patch, which then has a node twice.
+
     """
 
     def __init__(self, particles: Particles, grid: Grid, shape: Shape):
+        if grid.periodic and grid.columns < shape.NODES:
+            raise ValueError(f"a periodic grid of {grid.columns} columns is too narrow for parallel tasks")
         self.particles, self.grid, self.shape = particles, grid, shape
         self.room = self._room()
         self.length = whole_numbers(2, shape.PATCHES * grid.nodes)
@@ -100,21 +107,20 @@ class CellLists:
 
     @ti.func
     def ask(self, visitor: ti.template(), patch: ti.template(), i, j, turn):
-        """Let a visitor `visit(p, a, b)` the points whose patch begins a columns and b rows before node (i, j)."""
+        """Let a visitor `visit(p)` the points whose patch has node (i, j)."""
         for n in range(self.shape.NODES * self.shape.NODES):
-            a, b = n % self.shape.NODES, n // self.shape.NODES
-            first = self.before(i, j, a, b)
+            first = self.before(i, j, n % self.shape.NODES, n // self.shape.NODES)
             if first >= 0:
                 own = patch * self.grid.nodes + first
                 count, p = ti.min(self.length[turn, own], self.room), -1
                 for _ in range(count):
                     p = self.following(self.member, own * self.room, count, p)
-                    visitor.visit(p, a, b)
+                    visitor.visit(p)
                 crowd, q = self.crowded[turn, patch], -1
                 for _ in range(crowd):
                     q = self.following(self.crowd, patch * self.particles.count, crowd, q)
                     if self.first_of_crowd[patch, q] == first:
-                        visitor.visit(q, a, b)
+                        visitor.visit(q)
 
     @ti.func
     def following(self, numbers: ti.template(), begin, count, last):

@@ -99,8 +99,9 @@ class PatchPasses:
                         self._point(number, points, sums, means, centres, 0, p, True, False, 0, 0)
             if ti.static(number < PASSES):
                 for k in range(self.grid.nodes):
-                    for given in ti.static([Given(self, number, points, sums, means, centres)]):
-                        self.lists.ask(given, 0, k % self.grid.columns, k // self.grid.columns, 0)
+                    i, j = k % self.grid.columns, k // self.grid.columns
+                    for given in ti.static([Given(self, number, points, sums, means, centres, i, j)]):
+                        self.lists.ask(given, 0, i, j, 0)
                     if ti.static(not self.mirrored):
                         self._take_means(number, sums, means, centres, k)
             if ti.static(number < PASSES and self.mirrored):
@@ -117,11 +118,11 @@ class PatchPasses:
     @ti.func
     def _point(
         self, number: ti.template(), points: ti.template(), sums: ti.template(), means: ti.template(),
-        centres: ti.template(), strip, p, subtracts: ti.template(), gives: ti.template(), a, b,
+        centres: ti.template(), strip, p, subtracts: ti.template(), gives: ti.template(), column, row,
     ):  # fmt: skip
         """Point p's part of a pass: it subtracts the means from what it has left, and gives that to the nodes.
 
-        On tasks it gives only to the node that lies a columns and b rows from the first of its patch.
+        On tasks it gives only to the node in a column and a row (see `one_node`).
         """
         known, left = points[2 * p + 1], points[2 * p]
         i, sx, gx, j, sy, gy = self._patch(known[1], known[2])
@@ -141,6 +142,9 @@ class PatchPasses:
             if ti.static(number == 0):
                 given = left + eight(0.0, 0.0, 0.0, 0.0, 1.0, from_x, from_y, 0.0)
             if ti.static(self.shared):
+                a, b = column - i, row - j
+                if ti.static(self.grid.periodic):
+                    a = a % self.grid.columns
                 offset = eight(0.0, 0.0, 0.0, 0.0, 0.0, ti.cast(a, real), ti.cast(b, real), 0.0)
                 of_node = given - offset if ti.static(number == 0) else given
                 k = self.grid.node(i + a, j + b)
@@ -219,15 +223,17 @@ class PatchPasses:
 
 @ti.data_oriented
 class Given:
-    """What points give to a node in a pass (see `CellLists.ask`)."""
+    """What points give to node (i, j) in a pass (see `CellLists.ask`)."""
 
-    def __init__(self, passes: PatchPasses, number: int, points: Any, sums: Any, means: Any, centres: Any):
-        self.passes, self.number = passes, number
+    def __init__(
+        self, passes: PatchPasses, number: int, points: Any, sums: Any, means: Any, centres: Any, i: Any, j: Any
+    ):
+        self.passes, self.number, self.i, self.j = passes, number, i, j
         self.points, self.sums, self.means, self.centres = points, sums, means, centres
 
     @ti.func
-    def visit(self, p, a, b):
+    def visit(self, p):
         """Take what point p gives."""
         self.passes._point(
-            self.number, self.points, self.sums, self.means, self.centres, 0, p, False, True, a, b
+            self.number, self.points, self.sums, self.means, self.centres, 0, p, False, True, self.i, self.j
         )  # fmt: skip

@@ -20,7 +20,7 @@ class Asked:
         self.lists, self.found = lists, found
 
     @ti.func
-    def visit(self, p, a, b):
+    def visit(self, p):
         self.found[0] += 1
         self.found[self.found[0]] = p
 
