@@ -2,7 +2,7 @@
 
 `make bench` prints the table, writes outputs/bench/bench.csv and bench.png, and warns where a phase got more than a
 tenth slower, relative to the yardstick, than in benchmarks/baseline.csv (`--keep` makes the new table the baseline).
-On a machine with a GPU, `--arch cuda` measures that instead.
+On a machine with a GPU, `--arch cuda` or `--arch vulkan` measures that instead.
 """
 
 import argparse
@@ -188,12 +188,12 @@ def start() -> float:
     return min(times)
 
 
-def on_gpu() -> list[dict]:
+def on_gpu(arch: str) -> list[dict]:
     """Large and small scenes on the graphics card."""
     rows = []
     for points in (4_000, 64_000, 1_000_000, 4_000_000):
         for per_cell in (1, 4):
-            simulation = loaded(points, per_cell, 1, arch="cuda")
+            simulation = loaded(points, per_cell, 1, arch=arch)
             dt = 0.5 * simulation.solver.point_sums().stable_step
             cost = seconds_per_step(lambda n, s=simulation, dt=dt: s.solver.advance(n, dt, gravity=(9.81, 9.81)))
             rows.append(row((simulation.scene.points, per_cell, 0), "step", cost, None, runtime.PRECISION))
@@ -226,12 +226,13 @@ def slower(table: pd.DataFrame, baseline: pd.DataFrame) -> list[str]:
 def main() -> None:
     """Measure, print, write, draw, warn."""
     flags = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    flags.add_argument("--arch", choices=("cpu", "cuda"), default="cpu")
+    flags.add_argument("--arch", choices=runtime.ARCHITECTURES, default="cpu")
     flags.add_argument("--keep", action="store_true", help="make the new table the baseline")
     chosen = flags.parse_args()
     FOLDER.mkdir(parents=True, exist_ok=True)
-    if chosen.arch == "cuda":
-        pd.DataFrame(on_gpu(), columns=COLUMNS).to_csv(FOLDER / f"bench_cuda_{runtime.PRECISION}.csv", index=False)
+    if chosen.arch != "cpu":
+        file = FOLDER / f"bench_{chosen.arch}_{runtime.PRECISION}.csv"
+        pd.DataFrame(on_gpu(chosen.arch), columns=COLUMNS).to_csv(file, index=False)
         return
     yardstick = Yardstick.find()
     print("yardstick:", "compiled C++, measured in turns" if yardstick else "not found; absolute figures")

@@ -16,7 +16,7 @@ if AFFINITY and (worker := os.environ.get("PYTEST_XDIST_WORKER")):
 
 from taichi_silo import api
 from taichi_silo.cli import flags, model_silo  # noqa: F401 - they hold scenes made when they are imported
-from taichi_silo.mpm import executors, language, runtime, solver
+from taichi_silo.mpm import language, runtime, solver, tasks
 from tests import untraced  # noqa: F401 - coverage does not watch the language
 
 HERE = Path(__file__).parent
@@ -91,7 +91,7 @@ def loops(request):
     anew, has two steps instead of eight.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(executors, "BURST", 2)
+        patch.setattr(tasks, "BURST", 2)
         if plain(request):
             patch.setattr(solver, "hindrance", lambda solver: "this test does without")
         yield

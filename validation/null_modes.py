@@ -22,7 +22,7 @@ from typer import Option
 from taichi_silo.cli import command_line
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.patch_filter import PASSES
+from taichi_silo.mpm.patch_passes import PASSES
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.show.figures.style import STYLE, new_figure
 

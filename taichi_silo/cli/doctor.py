@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from taichi_silo.errors import BadInput
-from taichi_silo.mpm import language, runtime
+from taichi_silo.mpm import graphics_cards, language, runtime
 from taichi_silo.mpm.simd import selftest
 from taichi_silo.runs.run_folder import writable
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls, cores
@@ -64,9 +64,14 @@ def _vector_unit() -> Finding:
 
 
 def _graphics_card() -> Finding:
-    there = runtime.has_cuda()
-    words = "CUDA answers" if there else "no CUDA device; runs use the processor"
-    return Finding("graphics card", True if there else None, words)
+    """What --arch cuda and --arch vulkan would find, or what it takes for them to find something."""
+    there = [f"CUDA: {graphics_cards.cuda_card() or 'a card'}"] if runtime.has_cuda() else []
+    cards = graphics_cards.vulkan_cards()
+    there += [f"Vulkan: {card.name} ({card.kind})" for card in cards if card.f64]
+    if there:
+        return Finding("graphics card", True, "; ".join(there))
+    words = "; ".join([f"{card.name} computes in f32 only" for card in cards] or ["no CUDA and no Vulkan device"])
+    return Finding("graphics card", None, f"{words}; runs use the processor. Vulkan takes {runtime.DRIVERS}")
 
 
 def _film() -> Finding:

@@ -1,9 +1,9 @@
 """Who runs the phases of a step: one launch for many steps on the threads of a processor, or one task a phase.
 
 A step is a tuple of `Phase`s (`Solver.phases`), each a function that knows one point, node or row. An executor runs
-them, step after step: `Threads` on the fields, each thread over its own points and rows; `Tasks` on the fields, one
-parallel task a phase, with atomic sums, as on a GPU; `simd.executor.Simd` on eight points at once. All give the same
-step. The functions get as first argument the store that the executor works on: `field_store` says what a store offers.
+them, step after step: `Threads` on the fields, each thread over its own points and rows; `tasks.Tasks` on the fields,
+one parallel task a phase, as on a GPU; `simd.executor.Simd` on eight points at once. All give the same step. The
+functions get as first argument the store that the executor works on: `field_store` says what a store offers.
 """
 
 from typing import NamedTuple
@@ -15,8 +15,8 @@ from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 
-SCATTER, POINTS, NODES, ROWS = range(4)  # what a phase runs over; SCATTER: points that add to their nodes
-BURST = 8  # steps in a launch of tasks: the host's part of a launch is shared
+# what a phase runs over; SCATTER: points that add to the nodes of their patches; COLLECT: points that add to sums
+SCATTER, COLLECT, POINTS, NODES, ROWS = range(5)
 SPIN_LIMIT = 500_000_000  # turns of a waiting thread before it gives up (some seconds)
 LOST = 32  # slot of `arrivals` that says that one did
 MOST_ARRIVALS = 1_000_000_000  # counted before they start anew
@@ -25,8 +25,8 @@ MOST_ARRIVALS = 1_000_000_000  # counted before they start anew
 class Phase(NamedTuple):
     """A part of a step.
 
-    over : SCATTER or POINTS: run(store, p, t, step, option), t being the number of the thread; NODES: run(store, i, j,
-        step, option); ROWS (of nodes): run(store, j, step, option).
+    over : SCATTER, COLLECT or POINTS: run(store, p, t, step, option), t being the number of the thread; NODES:
+        run(store, i, j, step, option); ROWS (of nodes): run(store, j, step, option).
     run : the function.
     option : a compile-time constant for it.
     waits : whether it needs what other threads did in the phase before.
@@ -118,7 +118,7 @@ class PhaseLoop:
             for before, waits, over, run, option, rows in ti.static(self.phases):
                 if ti.static(waits):
                     self.barrier.wait(passed, number * self.waits + before)
-                if ti.static(over == SCATTER):
+                if ti.static(over in (SCATTER, COLLECT)):
                     store.scatter(run, t, self.threads, step, option)
                 elif ti.static(over == POINTS):
                     for p in range(first, last):
@@ -179,42 +179,3 @@ class Threads(Executor):
         ti.loop_config(block_dim=1)
         for t in range(self.loop.threads):
             self.loop.steps(self.store, t, done, count, steps, dt, g0, g1, v0, v1, filling_drag, passed)
-
-
-@ti.data_oriented
-class Tasks(Executor):
-    """One parallel task a phase, with atomic sums, as on a GPU; some steps a launch."""
-
-    def __init__(self, phases: tuple[Phase, ...], store: Fields):
-        self.phases = tuple((*phase[:3], phase.rows or store.grid.rows) for phase in phases)
-        self.store, self.particles, self.grid = store, store.particles, store.grid
-
-    def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
-        """Launches of BURST steps, then of one."""
-        number = done
-        while number < done + count:
-            together = BURST if done + count - number >= BURST else 1
-            self._steps(number, together, steps, dt, *schedule)
-            number += together
-
-    @ti.kernel
-    def _steps(
-        self, done: ti.i32, count: ti.template(), steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real,
-        filling_drag: real,
-    ):  # fmt: skip
-        for number in ti.static(range(count)):
-            for over, run, option, rows in ti.static(self.phases):
-                if ti.static(over in (SCATTER, POINTS)):
-                    for p in range(self.particles.active[None]):
-                        step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
-                        run(self.store, p, 0, step, option)
-                elif ti.static(over == NODES):
-                    for k in range(self.grid.nodes):
-                        step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
-                        run(self.store, k % self.grid.columns, k // self.grid.columns, step, option)
-                else:
-                    for j in range(rows):
-                        run(self.store, j, step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag), option)
-            if ti.static(self.grid.follows in ("top", "surface")):
-                for t in range(1):
-                    self.grid.follow(t, step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag))

@@ -5,6 +5,8 @@ the vector unit holds (`simd.store`). A store offers
 
 `read(name, p)`, `write(name, p, value)`
     a field of point p (see `Particles`): a value, or a tuple of its components.
+`patches()`, `touched(p, t, patch)`
+    through which patches a point gives, to which nodes and with which weights (see `point_weights.weights`).
 `keep(fields, p, values)`, `kept(fields, p)`
     numbers of point p that outlive a phase, not a step; a store may have a place of its own for them.
 `each(function, p)`, `hand(function, p, t, value)`
@@ -27,6 +29,7 @@ from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
+from taichi_silo.mpm.point_weights import weights
 
 
 @ti.data_oriented
@@ -36,6 +39,15 @@ class Fields:
     def __init__(self, particles: Particles, grid: Grid, shape: Shape, atomic: bool):
         self.particles, self.grid, self.shape, self.atomic = particles, grid, shape, atomic
         self.read, self.write = particles.read, particles.write
+
+    def patches(self) -> tuple[int, ...]:
+        """Numbers of the patches through which points give."""
+        return tuple(range(self.shape.PATCHES))
+
+    @ti.func
+    def touched(self, p, t, patch: ti.template()):
+        """First column, weights and derivatives along x, first row, the same along y, of the nodes point p gives to."""
+        return weights(self, self.grid, self.shape, p, t, patch)
 
     @ti.func
     def add(self, sums: ti.template(), k, value):

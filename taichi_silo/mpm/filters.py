@@ -12,7 +12,7 @@ A filtered stress is pulled back to what the law admits.
 """
 
 from taichi_silo.mpm.contracts import Law
-from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Phase
+from taichi_silo.mpm.executors import COLLECT, NODES, POINTS, Phase
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
@@ -41,7 +41,7 @@ class CellFilter:
 
     def phases(self) -> list[Phase]:
         """Points to cells, cells, cells to points."""
-        return [Phase(SCATTER, self.collect), Phase(NODES, self.settle), Phase(POINTS, self.apply)]
+        return [Phase(COLLECT, self.collect), Phase(NODES, self.settle), Phase(POINTS, self.apply)]
 
     @ti.func
     def cell(self, p, t):

@@ -23,7 +23,7 @@ from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.means import Means
 from taichi_silo.mpm.particles import Particles
-from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.runtime import real, whole_numbers
 
 PER_LENGTH = 1.5  # nodes along a characteristic length
 VARIANCE = 0.5 * (PER_LENGTH**2 - 1.0)  # of g [H^2]
@@ -76,7 +76,7 @@ class GridMeans(Means):
         self.columns = self.axis + 3 + REACH + (0 if mirrored else math.ceil(margin) + 1)
         self.rows = math.ceil(self.origin_at[1] + height + margin) + 2 + REACH
         self.nodes = self.columns * self.rows
-        self.first = ti.field(ti.i32, shape=particles.count + 1)  # the last entry is that of no point
+        self.first = whole_numbers(particles.count + 1)  # the last entry is that of no point
         self.weights = ti.field(real, shape=(particles.count + 1, RECORD))
         self.given = ti.field(real, shape=self.copies * self.nodes)
         self.convolved, self.result = (ti.field(real, shape=self.nodes) for _ in range(2))
@@ -160,7 +160,9 @@ class GridMeans(Means):
     @ti.kernel
     def _normalise(self):
         ti.loop_config(serialize=self.serial)
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             self.give(self, p, ti.cast(1.0, real), 0)
         ti.loop_config(serialize=self.serial)
         for j in range(self.rows):
@@ -169,5 +171,7 @@ class GridMeans(Means):
         for j in range(self.rows):
             self.along_columns(j)
         ti.loop_config(serialize=self.serial)
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             self.weights[p, 6] = self.weights[p, 6] * self.sand[p] / (self.mean(p) + 1e-300)

@@ -69,7 +69,7 @@ def motion_of_node(
         braking_x = step.dt * (control.drag * (recent_x - old[0]) - step.filling_drag * old[0])
         braking_y = step.dt * (control.drag * (recent_y - old[1]) - step.filling_drag * old[1])
         x, y = x + braking_x, y + braking_y
-        impulses.add_damping(j, (m * braking_x, m * braking_y))
+        impulses.add_damping(j, k, (m * braking_x, m * braking_y))
     for number, wall in ti.static(enumerate(walls)):
         if wall.holds(i, j):
             free_x, free_y = x, y
@@ -77,7 +77,7 @@ def motion_of_node(
                 x, y = held_by_delayed_friction(wall, number, friction, step, i, j, k, m, free_x, free_y)
             else:
                 x, y = held(wall, step, i, j, free_x, free_y)
-            impulses.add_wall(number, wall.slot(i, j), (m * (x - free_x), m * (y - free_y)))
+            impulses.add_wall(number, wall.slot(i, j), k, (m * (x - free_x), m * (y - free_y)))
     if ti.static(control.drag > 0.0):
         grid.remember(k, step.dt / control.memory_time, m, (x, y))
     if ti.static(surfaces.ACTIVE):

@@ -109,12 +109,16 @@ class Means:
 
     @ti.kernel
     def _note_places(self):
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             self.place[p] = self.particles.position[p]
 
     @ti.kernel
     def _moved(self) -> real:
         most = 0.0
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             ti.atomic_max(most, self._distance(self.particles.position[p], self.place[p]))
         return most

@@ -10,7 +10,7 @@ from taichi_silo.mpm.contracts import Kernel
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.means import Means
 from taichi_silo.mpm.particles import Particles
-from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.runtime import real, whole_numbers
 
 MOST_PAIRS = 500_000_000  # 6 GB
 MOST_BINS = 4_000_000
@@ -53,8 +53,8 @@ class NeighbourRows(Means):
         self.radius = kernel.radius
         count = particles.count
         self.room = count**2 if alike_along_x else most_pairs(self.radius, spacing_m, count)
-        self.start = ti.field(ti.i32, shape=count + 2)
-        self.neighbour = ti.field(ti.i32, shape=self.room)
+        self.start = whole_numbers(count + 2)
+        self.neighbour = whole_numbers(self.room)
         self.share = ti.field(real, shape=self.room)
         self.value = ti.field(real, shape=count + 1)
 
@@ -112,7 +112,9 @@ class NeighbourRows(Means):
         self, order: ti.types.ndarray(), first: ti.types.ndarray(), bins: ti.types.ndarray(), across: ti.i32,
         rows: ti.i32, length: ti.types.ndarray(),
     ):  # fmt: skip
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             here = self.particles.position[p]
             found = 0
             for row in range(ti.max(bins[p, 1] - 1, 0), ti.min(bins[p, 1] + 2, rows)):
@@ -128,7 +130,9 @@ class NeighbourRows(Means):
         self, order: ti.types.ndarray(), first: ti.types.ndarray(), bins: ti.types.ndarray(), across: ti.i32,
         rows: ti.i32,
     ):  # fmt: skip
-        for p in range(self.particles.active[None]):
+        for p in range(self.particles.places()):
+            if not self.particles.is_there(p):
+                continue
             here = self.particles.position[p]
             at, total = self.start[p], 0.0
             for row in range(ti.max(bins[p, 1] - 1, 0), ti.min(bins[p, 1] + 2, rows)):

@@ -22,6 +22,7 @@ from taichi_silo.mpm.means import Means
 from taichi_silo.mpm.neighbour_rows import NeighbourRows
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.simd.lane_maths import exp_minus
 
 TOLERANCE = 0.02  # of l_c: no point should move so far on the same rows; from half of it on they are built anew
 MOST_STEPS = 500  # between two looks at how far points have moved
@@ -46,7 +47,7 @@ class Weight:
     @ti.func
     def weight(self, distance):
         """Of a neighbour, before normalisation."""
-        return ti.exp(-((distance / self.length_m) ** self.POWER))
+        return exp_minus((distance / self.length_m) ** self.POWER)
 
 
 class Gaussian(Weight):

@@ -15,7 +15,7 @@ number of the thread, which says which copy of the sums and of the grid's height
 """
 
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.point_weights import offset_of_node, weights
+from taichi_silo.mpm.point_weights import offset_of_node
 from taichi_silo.mpm.tensors import shifted
 
 
@@ -35,15 +35,15 @@ def point_contributions(points: ti.template(), grid: ti.template(), surroundings
 
 @ti.func
 def scatter(
-    fields: ti.template(), shape: ti.template(), transfer: ti.template(), surroundings: ti.template(), p, t,
-    motion: ti.template(), force: ti.template(),
+    fields: ti.template(), transfer: ti.template(), surroundings: ti.template(), p, t, motion: ti.template(),
+    force: ti.template(),
 ):  # fmt: skip
     """Add mass and momentum (`motion`) and internal force (`force`) of point p to the sums of its nodes."""
     m, mvx, mvy, hoop, xx, xy, yx, yy = point_contributions(fields, fields.grid, surroundings, p, t)
-    for patch in ti.static(range(shape.PATCHES)):
-        i, sx, gx, j, sy, gy = weights(fields, fields.grid, shape, p, t, patch)
-        for b in ti.static(range(shape.NODES)):
-            for a in ti.static(range(shape.NODES)):
+    for patch in ti.static(fields.patches()):
+        i, sx, gx, j, sy, gy = fields.touched(p, t, patch)
+        for b in ti.static(range(len(sy))):
+            for a in ti.static(range(len(sx))):
                 column, row = ti.cast(i, ti.i32) + a, ti.cast(j, ti.i32) + b
                 k = t * fields.grid.nodes + fields.grid.node(column, row)
                 s, dx, dy = sx[a] * sy[b], gx[a] * sy[b], sx[a] * gy[b]
@@ -62,11 +62,11 @@ def scatter(
 
 
 @ti.func
-def second_scatter(fields: ti.template(), shape: ti.template(), p, t, velocity):
+def second_scatter(fields: ti.template(), p, t, velocity):
     """Add the momentum of point p at another velocity (x, y) [m/s] to the sums of its nodes once more."""
-    for patch in ti.static(range(shape.PATCHES)):
-        i, sx, _gx, j, sy, _gy = weights(fields, fields.grid, shape, p, t, patch)
-        for b in ti.static(range(shape.NODES)):
-            for a in ti.static(range(shape.NODES)):
+    for patch in ti.static(fields.patches()):
+        i, sx, _gx, j, sy, _gy = fields.touched(p, t, patch)
+        for b in ti.static(range(len(sy))):
+            for a in ti.static(range(len(sx))):
                 k = t * fields.grid.nodes + fields.grid.node(ti.cast(i, ti.i32) + a, ti.cast(j, ti.i32) + b)
                 fields.add(fields.grid.momentum, k, fields.particles.mass[p] * sx[a] * sy[b] * velocity)

@@ -7,7 +7,7 @@ import numpy as np
 
 from taichi_silo.mpm.contracts import Law, Shape, Transfer
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.runtime import real, real_place
+from taichi_silo.mpm.runtime import is_cpu, real, real_place, whole_numbers
 
 
 @ti.data_oriented
@@ -42,9 +42,12 @@ class Particles:
             width, kind = self.WIDTHS.get(name), real_place if name == "position" else real
             setattr(self, name, ti.Vector.field(width, kind) if width else ti.field(kind))
         self.fields = {name: getattr(self, name) for name in self.names}
-        # one record a point: a point's data lie in two neighbouring cache lines
-        ti.root.dense(ti.i, count).place(*(getattr(self, name) for name in self.names))
-        self.active = ti.field(ti.i32, shape=())
+        if is_cpu():  # one record a point: a point's data lie in two neighbouring cache lines
+            ti.root.dense(ti.i, count).place(*self.fields.values())
+        else:  # threads beside each other read what lies side by side
+            for field in self.fields.values():
+                ti.root.dense(ti.i, count).place(field)
+        self.active = whole_numbers()
         self.active[None] = count
 
     @classmethod
@@ -110,6 +113,25 @@ class Particles:
         else:
             for c in ti.static(range(width)):
                 ti.static(self.fields[name])[p][c] = value[c]
+
+    @ti.func
+    def places(self):
+        """How many places a loop over the points looks at, those of which `is_there` is true.
+
+        On a GPU that is `count`: a loop whose length is not known when it is compiled launches far too many threads.
+        """
+        number = self.count
+        if ti.static(is_cpu()):
+            number = self.active[None]
+        return number
+
+    @ti.func
+    def is_there(self, p):
+        """Whether there is a point at place p."""
+        there = True
+        if ti.static(not is_cpu()):
+            there = p < self.active[None]
+        return there
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All fields as arrays, first axis the active points."""

@@ -3,6 +3,8 @@
 import math
 from types import SimpleNamespace
 
+import numpy as np
+
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
@@ -11,15 +13,23 @@ from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.tensors import trace
 
 BELOW = 1.5  # cells below the floor to which sand that has passed an opening may fall
+# what is found, and how it is had from the points: see `PointSums.read`
+SUM, LEAST, MOST = range(3)
+KINDS = {
+    "kinetic_energy": SUM, "momentum": SUM, "transit": LEAST, "void_ratio_low": LEAST, "separated": SUM, "strays": SUM,
+    "speed": MOST, "void_ratio_high": MOST, "height": SUM, "stored": SUM,
+}  # fmt: skip
+COUNTS = ("separated", "strays")
+FAR = 1e30  # the least of no points
 
 
 @ti.data_oriented
 class PointSums:
-    """One pass over the points."""
+    """One pass over the points, one after the other."""
 
-    def __init__(self, particles: Particles, grid: Grid, law: Law, shared: bool):
-        self.particles, self.grid, self.law, self.shared = particles, grid, law, shared
-        self.found = ti.field(real, shape=10)
+    def __init__(self, particles: Particles, grid: Grid, law: Law):
+        self.particles, self.grid, self.law = particles, grid, law
+        self.found = ti.field(real, shape=len(KINDS))
 
     def read(self) -> SimpleNamespace:
         """What the points say now.
@@ -32,12 +42,14 @@ class PointSums:
         squared over twice the stiffness, the energy that sand gives back at most about once [J/m].
 
         """
-        self._take()
-        energy, momentum, transit, low, separated, strays, speed, high, height, stored = self.found.to_numpy()
-        return SimpleNamespace(
-            kinetic_energy=energy, momentum=momentum, transit=transit, void_ratio_low=low, separated=int(separated),
-            strays=int(strays), speed=speed, void_ratio_high=high, height=height, stored=stored,
-        )  # fmt: skip
+        self.take()
+        return self.named(self.found.to_numpy())
+
+    @staticmethod
+    def named(values: np.ndarray) -> SimpleNamespace:
+        """Values in the order of KINDS by their names."""
+        named = dict(zip(KINDS, values, strict=True))
+        return SimpleNamespace(**named | {name: int(named[name]) for name in COUNTS})
 
     def speed(self) -> float:
         """Greatest speed [m/s] alone."""
@@ -46,40 +58,61 @@ class PointSums:
     @ti.kernel
     def _greatest_squared_speed(self) -> real:
         greatest = ti.cast(0.0, real)
-        ti.loop_config(serialize=ti.static(not self.shared))
+        ti.loop_config(serialize=True)
         for p in range(self.particles.active[None]):
             ti.atomic_max(greatest, self.particles.velocity[p].norm_sqr())
         return greatest
 
+    @ti.func
+    def of_point(self, p):
+        """What point p adds to the sums and extremes, in the order of KINDS."""
+        v, x, s = self.particles.velocity[p], self.particles.position[p], self.particles.stress[p]
+        m, volume = self.particles.mass[p], self.particles.volume[p]
+        e = volume * self.law.grain_density / m - 1.0
+        speed = v.norm()
+        stiffness = self.law.stiffness((s[0], s[1], s[2], s[3]), e)
+        c = ti.sqrt(stiffness * (1.0 + e) / self.law.grain_density)
+        transit = ti.min(self.grid.cell_size, self.grid.cell_height(0)) / (c + speed)
+        squared = s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2.0 * s[3] * s[3]
+        separated, stray = 0.0, 0.0
+        if -trace((s[0], s[1], s[2], s[3])) <= 3.0 * self.law.rest_stress * (1.0 + 1e-9):
+            separated = 1.0
+        h, up = self.grid.cell_size, self.grid.cell_height(0)
+        across = self.grid.periodic or (x[0] > -h and x[0] < (self.grid.columns - 4) * h)
+        inside = across and x[1] > -BELOW * up and x[1] < (self.grid.rows - 4) * up
+        finite = trace((s[0], s[1], s[2], s[3])) + speed < 1e300
+        if not (inside and finite):
+            stray = 1.0
+        return (
+            0.5 * m * speed * speed, m * v[1], transit, e, separated, stray, speed, e, m * x[1],
+            0.5 * volume * squared / stiffness,
+        )  # fmt: skip
+
     @ti.kernel
-    def _take(self):
+    def take(self):
+        """Find them."""
         for _ in range(1):
-            self.found[0], self.found[1], self.found[4], self.found[5], self.found[6] = 0.0, 0.0, 0.0, 0.0, 0.0
-            self.found[2], self.found[3] = 1e30, 1e30
-            self.found[7], self.found[8], self.found[9] = 0.0, 0.0, 0.0
-        if ti.static(not self.shared):
-            ti.loop_config(serialize=True)  # sums in a fixed order, so that runs repeat themselves
+            for n, kind in ti.static(enumerate(KINDS.values())):
+                self.found[n] = nothing(kind)
+        ti.loop_config(serialize=True)  # sums in a fixed order, so that runs repeat themselves
         for p in range(self.particles.active[None]):
-            v, x, s = self.particles.velocity[p], self.particles.position[p], self.particles.stress[p]
-            m, volume = self.particles.mass[p], self.particles.volume[p]
-            e = volume * self.law.grain_density / m - 1.0
-            speed = v.norm()
-            stiffness = self.law.stiffness((s[0], s[1], s[2], s[3]), e)
-            c = ti.sqrt(stiffness * (1.0 + e) / self.law.grain_density)
-            self.found[0] += 0.5 * m * speed * speed
-            self.found[1] += m * v[1]
-            ti.atomic_min(self.found[2], ti.min(self.grid.cell_size, self.grid.cell_height(0)) / (c + speed))
-            ti.atomic_min(self.found[3], e)
-            ti.atomic_max(self.found[7], e)
-            self.found[8] += m * x[1]
-            squared = s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2.0 * s[3] * s[3]
-            self.found[9] += 0.5 * volume * squared / stiffness
-            if -trace((s[0], s[1], s[2], s[3])) <= 3.0 * self.law.rest_stress * (1.0 + 1e-9):
-                self.found[4] += 1.0
-            ti.atomic_max(self.found[6], speed)
-            h, up = self.grid.cell_size, self.grid.cell_height(0)
-            across = self.grid.periodic or (x[0] > -h and x[0] < (self.grid.columns - 4) * h)
-            inside = across and x[1] > -BELOW * up and x[1] < (self.grid.rows - 4) * up
-            finite = trace((s[0], s[1], s[2], s[3])) + speed < 1e300
-            if not (inside and finite):
-                self.found[5] += 1.0
+            values = self.of_point(p)
+            for n, kind in ti.static(enumerate(KINDS.values())):
+                self.found[n] = joined(kind, self.found[n], values[n])
+
+
+@ti.func
+def nothing(kind: ti.template()):
+    """What no points give."""
+    return ti.cast(FAR if ti.static(kind == LEAST) else 0.0, real)
+
+
+@ti.func
+def joined(kind: ti.template(), one, other):
+    """The sum, the least or the most of two."""
+    result = one + other
+    if ti.static(kind == LEAST):
+        result = ti.min(one, other)
+    elif ti.static(kind == MOST):
+        result = ti.max(one, other)
+    return result

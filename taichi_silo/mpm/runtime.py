@@ -12,6 +12,7 @@ import tempfile
 import weakref
 from pathlib import Path
 
+from taichi_silo.mpm import graphics_cards
 from taichi_silo.mpm.language import NAME, ti
 
 PRECISION = os.environ.get("TAICHI_SILO_PRECISION", "f64")
@@ -20,7 +21,8 @@ if PRECISION not in ("f64", "f32", "mixed"):
 real = ti.f64 if PRECISION == "f64" else ti.f32
 real_place = ti.f32 if PRECISION == "f32" else ti.f64
 CACHE_BYTES = 1 << 30  # of compiled kernels that are kept; a tenth, which is usual, holds those of a few scenes
-ARCHITECTURES = ("cpu", "cuda")
+ARCHITECTURES = ("cpu", "cuda", "vulkan")
+DRIVERS = "the driver of a graphics card, or Mesa's software driver (mesa-vulkan-drivers and libvulkan1 on Debian)"
 _arrays: list[weakref.ref] = []  # what `array` has made under the running Taichi
 
 
@@ -33,13 +35,13 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
 
     Parameters
     ----------
-    arch : "cpu" or "cuda".
+    arch : "cpu", "cuda" or "vulkan".
     threads : number of CPU threads that share a step (ignored on a GPU).
 
     Raises
     ------
     ArchitectureError
-        if `arch` is unknown, or is "cuda" and no CUDA device answers.
+        if `arch` is unknown, no device of the kind answers, or none of Vulkan computes in f64.
 
     """
     if arch not in ARCHITECTURES:
@@ -54,6 +56,11 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
             if not has_cuda():
                 raise ArchitectureError("arch is 'cuda' but this machine has no CUDA device; use --arch cpu")
             ti.init(arch=ti.cuda, **options)
+        elif arch == "vulkan":
+            ti._lib.core.set_vulkan_visible_device(str(vulkan_card().number))
+            ti.init(arch=ti.vulkan, **options)
+            if is_cpu():  # Taichi's own search has found none
+                raise ArchitectureError(f"arch is 'vulkan' but {NO_VULKAN}")
         else:
             # one task of a parallel loop is one thread's whole share of the step (see solver.py)
             options["make_cpu_multithreading_loop"] = False
@@ -62,10 +69,53 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
             ti.init(arch=ti.cpu, cpu_max_num_threads=threads, **options)
 
 
+NO_VULKAN = f"no Vulkan device answers; install {DRIVERS}, or use --arch cpu"
+
+
+def vulkan_card() -> graphics_cards.Card:
+    """The device that Vulkan computes on.
+
+    Raises ArchitectureError, which says what to install, if there is none, or none that computes in f64.
+    """
+    cards = graphics_cards.vulkan_cards()
+    if not cards:
+        raise ArchitectureError(f"arch is 'vulkan' but {NO_VULKAN}")
+    card = graphics_cards.chosen(cards)
+    if card is None:
+        names = ", ".join(card.name for card in cards)
+        raise ArchitectureError(
+            f"arch is 'vulkan' but {names} computes in f32 only (no shaderFloat64), in which slow sand stands still; "
+            "use --arch cpu"
+        )
+    return card
+
+
+def device() -> str:
+    """What the running Taichi computes on, and how precisely, in words."""
+    if is_cpu():
+        return f"cpu, {PRECISION}"
+    if ti.lang.impl.current_cfg().arch == ti.vulkan:
+        card = vulkan_card()
+        return f"vulkan on {card.name}, {card.kind}, {PRECISION}"
+    return f"cuda on {graphics_cards.cuda_card() or 'a card without a name'}, {PRECISION}"
+
+
 def array(dtype: object, length: int) -> ti.Ndarray:
     """An array of so many elements, zero at first, which ends with the Taichi that it belongs to."""
     made = ti.ndarray(dtype, length)
     _arrays.append(weakref.ref(made))
+    return made
+
+
+def whole_numbers(*shape: int) -> ti.Field:
+    """A field of i32, zero at first, in a tree of its own.
+
+    On Vulkan, Taichi 1.7.4 lays what follows an odd number of i32 in the same tree as f64 over them.
+    """
+    made, tree = ti.field(ti.i32), ti.FieldsBuilder()
+    branch = tree.dense([ti.i, ti.ij, ti.ijk][len(shape) - 1], shape) if shape else tree
+    branch.place(made)
+    tree.finalize()
     return made
 
 
@@ -104,6 +154,11 @@ def has_cuda() -> bool:
 def is_cpu() -> bool:
     """Whether the running Taichi works on the CPU."""
     return ti.lang.impl.current_cfg().arch in (ti.x64, ti.arm64)
+
+
+def lacks_functions() -> bool:
+    """Whether the running Taichi has no power and no exponential of f64 numbers (SPIR-V has them of f32 only)."""
+    return ti.lang.impl.current_cfg().arch == ti.vulkan
 
 
 def threads() -> int:

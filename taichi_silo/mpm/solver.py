@@ -7,7 +7,7 @@ from typing import Any
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Filter, Law, Shape, Transfer, Wall
-from taichi_silo.mpm.executors import NODES, POINTS, ROWS, SCATTER, Executor, Phase, Tasks, Threads
+from taichi_silo.mpm.executors import NODES, POINTS, ROWS, SCATTER, Executor, Phase, Threads
 from taichi_silo.mpm.field_store import Fields
 from taichi_silo.mpm.filters import Unfiltered
 from taichi_silo.mpm.g2p import affine_of, at_point, deform, gradient_of, move, respond
@@ -20,12 +20,12 @@ from taichi_silo.mpm.nonlocal_average import Local, NonLocal
 from taichi_silo.mpm.p2g import scatter, second_scatter
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.patch_filter import FORGETS_BESIDE_SURFACES
-from taichi_silo.mpm.point_sums import PointSums
+from taichi_silo.mpm.readings import Readings, Record, TaskReadings
 from taichi_silo.mpm.simd import selftest
 from taichi_silo.mpm.simd.executor import Simd, hindrance
+from taichi_silo.mpm.tasks import Tasks
 from taichi_silo.mpm.tensors import norm
 from taichi_silo.mpm.velocity_transfer import Flip
-from taichi_silo.mpm.wall_impulses import Impulses
 from taichi_silo.mpm.walls.friction import AtOnce, Delayed
 from taichi_silo.mpm.walls.outlets import OPENED
 from taichi_silo.mpm.walls.surfaces import NoSurfaces, Surface, Surfaces
@@ -55,7 +55,7 @@ class Solver:
     surfaces : walls of `taichi_silo.mpm.walls.surfaces` that do not follow the grid.
     friction_delay_s : time in which friction at walls follows the normal force [s] (see `walls.friction`); 0: at once;
         None: that in which a wave crosses the points' lesser extent three times. For bodies that rebound, 0.
-    shared : whether a phase is one parallel task with atomic sums; None: on a GPU.
+    shared : whether a phase is one parallel task; None: on a GPU.
     simd : whether eight points go at once; None: wherever that is possible and can be trusted on this machine.
 
     Attributes
@@ -103,15 +103,16 @@ class Solver:
         if rubs and friction_delay_s != 0.0:
             stations = self.surfaces.count if surfaces else 0
             self.friction = Delayed(particles, grid, len(self.walls), stations, friction_delay_s)
-        atomic = not runtime.is_cpu() if shared is None else shared
-        self.impulses = Impulses(len(self.walls) + len(surfaces), grid, atomic)
-        self.sums = PointSums(particles, grid, law, atomic)
+        on_tasks = not runtime.is_cpu() if shared is None else shared
+        readings = TaskReadings if on_tasks else Readings
+        self.readings = readings(self.walls, len(surfaces), particles, grid, law)
+        self.impulses, self.sums = self.readings.impulses, self.readings.sums
         self.simd_refused = ""
-        self.executor = self._executor(tuple(self.phases()), atomic, simd)
+        self.executor = self._executor(tuple(self.phases()), on_tasks, simd)
 
-    def _executor(self, phases: tuple[Phase, ...], atomic: bool, simd: bool | None) -> Executor:
+    def _executor(self, phases: tuple[Phase, ...], on_tasks: bool, simd: bool | None) -> Executor:
         """What runs the phases, as the arguments ask, or the fastest that can be trusted."""
-        obstacle = "its sums are atomic" if atomic else hindrance(self)
+        obstacle = "its phases are parallel tasks" if on_tasks else hindrance(self)
         if simd and obstacle:
             raise ValueError(f"the step cannot run on lanes because {obstacle}")
         if simd is None and not obstacle:
@@ -119,8 +120,8 @@ class Solver:
             simd = not self.simd_refused
         if simd:
             return Simd(phases, self.particles, self.grid, self.shape, self.surroundings, self.averaging)
-        store = Fields(self.particles, self.grid, self.shape, atomic)
-        return Tasks(phases, store) if atomic else Threads(phases, store)
+        store = Fields(self.particles, self.grid, self.shape, on_tasks)
+        return Tasks(phases, store) if on_tasks else Threads(phases, store)
 
     @property
     def threads(self) -> int:
@@ -228,7 +229,15 @@ class Solver:
 
         """
         self.executor.check()
-        found = self.sums.read()
+        return self._with_stable_step(self.sums.read())
+
+    def record(self) -> Record:
+        """What `impulses.read_and_reset` and `point_sums` give, read at once."""
+        self.executor.check()
+        reaction, control, found = self.readings.record()
+        return reaction, control, self._with_stable_step(found)
+
+    def _with_stable_step(self, found: SimpleNamespace) -> SimpleNamespace:
         found.stable_step = found.transit * self.stable_fraction
         return found
 
@@ -237,7 +246,7 @@ class Solver:
     @ti.func
     def _scatter(self, store: ti.template(), p, t, step, what: ti.template()):
         """Particles to grid: mass and momentum ("motion"), internal force ("force"), or "all"."""
-        scatter(store, self.shape, self.transfer, self.surroundings, p, t, what != "force", what != "motion")
+        scatter(store, self.transfer, self.surroundings, p, t, what != "force", what != "motion")
 
     @ti.func
     def _integrate(self, store: ti.template(), i, j, step, what: ti.template()):
@@ -260,7 +269,7 @@ class Solver:
         given = v - dv
         if ti.static(not self.transfer.SECOND_TRANSFER):
             given = self.transfer.carried(self.particles.velocity[p], v, dv, v, step.dt)
-        second_scatter(store, self.shape, p, t, given)
+        second_scatter(store, p, t, given)
 
     @ti.func
     def _second_velocity(self, store: ti.template(), i, j, step, what: ti.template()):

@@ -18,36 +18,30 @@ class Impulses:
     control         grid row, 2       impulse (x, y) of the noise control
     ==============  ================  ===============================================================
 
+    Nodes of one slot, or of one row, must not be updated at the same time: `NodalImpulses` is for that.
+
     Parameters
     ----------
     walls : number of walls.
     grid : the grid, whose rows and columns are the slots.
-    atomic : whether nodes of one slot may be updated at the same time.
 
     """
 
-    def __init__(self, walls: int, grid: Grid, atomic: bool):
-        self.atomic = atomic
+    def __init__(self, walls: int, grid: Grid):
         self.reaction = ti.field(real, shape=(max(walls, 1), max(grid.columns, grid.rows), 2))
         self.control = ti.field(real, shape=(grid.rows, 2))
 
     @ti.func
-    def add_wall(self, wall, slot, impulse):
-        """Add an impulse (x, y) that a wall has given to the sand."""
+    def add_wall(self, wall, slot, k, impulse):
+        """Add an impulse (x, y) that a wall has given to the sand at node k."""
         for c in ti.static(range(2)):
-            if ti.static(self.atomic):
-                self.reaction[wall, slot, c] += impulse[c]
-            else:
-                self.reaction[wall, slot, c] = self.reaction[wall, slot, c] + impulse[c]
+            self.reaction[wall, slot, c] = self.reaction[wall, slot, c] + impulse[c]
 
     @ti.func
-    def add_damping(self, row, impulse):
-        """Add an impulse (x, y) that the noise control has given to a row of nodes."""
+    def add_damping(self, row, k, impulse):
+        """Add an impulse (x, y) that the noise control has given to node k of a row."""
         for c in ti.static(range(2)):
-            if ti.static(self.atomic):
-                self.control[row, c] += impulse[c]
-            else:
-                self.control[row, c] = self.control[row, c] + impulse[c]
+            self.control[row, c] = self.control[row, c] + impulse[c]
 
     def read_and_reset(self) -> tuple[np.ndarray, np.ndarray]:
         """Reaction (walls, slots, 2) and control (rows, 2) since the last call [N s/m]."""

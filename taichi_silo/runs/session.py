@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from taichi_silo.errors import BadInput, MachineFailed, Stopped
+from taichi_silo.mpm import runtime
 from taichi_silo.runs import run_folder, snapshot
 from taichi_silo.runs.observers import Observer, checkpoint
 from taichi_silo.runs.observers.checkpoint import Checkpoint
@@ -197,7 +198,10 @@ class _Session:
         return troubles + _tried(*(observer.end for observer in begun if observer is self.log))
 
     def _draw(self, stops: Stops) -> list[BaseException]:
-        """Draw what can be drawn; sentences on the rest become warnings. A stop leaves out what is not drawn yet."""
+        """Draw what can be drawn; sentences on the rest become warnings. A stop leaves out what is not drawn yet.
+
+        On the processor: pictures take whole numbers of 64 bits, which not every graphics card adds up.
+        """
         troubles: list[BaseException] = []
         warnings: list[str | None] = []
 
@@ -206,6 +210,8 @@ class _Session:
 
         try:
             with stops.at_once(DRAWING % run_folder.go_on(self.folder)):
+                if self.drawing and not runtime.is_cpu():
+                    runtime.init("cpu", runtime.threads())
                 for draw in self.drawing:
                     troubles += _tried(functools.partial(attempt, draw))
         except Stopped as stop:

@@ -223,7 +223,9 @@ class Output(Options):
 class Machine(Options):
     """Processor, threads and precision that a run uses."""
 
-    arch: Literal["cpu", "cuda"] = Field("cpu", description="processor, or graphics card of Nvidia")
+    arch: Literal["cpu", "cuda", "vulkan"] = Field(
+        "cpu", description="processor, graphics card of Nvidia, or any card that computes in f64 through Vulkan"
+    )
     threads: int = Field(
         default_factory=lambda: min(2, cores()), ge=1, description="threads of the processor; up to 2 if absent"
     )

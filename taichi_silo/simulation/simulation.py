@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from taichi_silo.mpm import runtime
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.scene import known_limits
@@ -113,9 +114,9 @@ class Simulation:
         held, drag = self.held_mass, model.control.filling_drag if clock.stage == "filling" else 0.0
         begun = time.perf_counter()
         solver.advance(steps, clock.step, gravity, interval.plate_velocity, drag)
-        impulse, control = solver.impulses.read_and_reset()  # waits for the device
+        runtime.wait()
         clock.stepping_seconds += time.perf_counter() - begun
-        after = solver.point_sums()
+        impulse, control, after = solver.record()
         self.sums, self.sums_revision = after, model.particles.revision
         if after.strays:
             self.alarms.enter(self._astray(after.strays), clock)

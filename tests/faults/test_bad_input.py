@@ -24,7 +24,7 @@ IMPOSSIBLE = [
     ("mass_flow --displacement 0.7", ["displacement", "0.7", "0.5"]),
     ("mass_flow --walls greasy", ["greasy", "smooth", "very-rough"]),
     ("mass_flow --walls smooth --wall-friction-angle 95", ["friction_angle_deg", "95", "below 90"]),
-    ("mass_flow --arch abacus", ["abacus", "cpu", "cuda"]),
+    ("mass_flow --arch abacus", ["abacus", "cpu", "cuda", "vulkan"]),
     ("mass_flow --viod-ratio 0.6", ["--viod-ratio", "--void-ratio"]),
     ("mass_flow --speed fast", ["speed", "fast"]),
     ("mass_flow --wall-friction-angle 25", ["25", "very rough"]),

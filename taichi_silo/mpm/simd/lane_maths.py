@@ -4,8 +4,9 @@ Formulas of a point (laws, shapes) use + - * /, min, max, sqrt, select and these
 run time, so that one source serves a GPU thread, a stress point and a group of particles. Branches belong to the loops,
 which ask for the `greatest` lane.
 
-Of a vector, a power and an exponential are polynomials, because the processor's vector unit has neither: within 3e-15
-of the library's. There a base counts as at most 32768, and one below 1e-18 as 0.
+Of a vector, a power and an exponential are polynomials, because the processor's vector unit has neither, and so they
+are of a number on Vulkan, whose SPIR-V has neither in f64: within 1e-14 of the library's. There a base counts as at
+most 32768, and one below 1e-18 as 0.
 """
 
 import functools
@@ -14,14 +15,15 @@ from collections.abc import Callable
 
 import numpy as np
 
+from taichi_silo.mpm import runtime
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.simd.vectors import is_eight
 
 ROOT2 = math.sqrt(2.0)
 UPPER = 2.0**0.25  # a base is brought to 2**-1/4 ... 2**1/4 by powers of two and a root of two
 DOWN, UP = (32, 16, 8, 4, 2, 1), (8, 4, 2, 1)  # exponents of those powers
-SQUARINGS = 4  # of exp(-x / 16)
-LARGEST_DECAY = 8.0  # exp(-x) is taken at most there
+SQUARINGS, MORE_SQUARINGS = 4, 6  # of exp(-x / 16) and, of a number, exp(-x / 64)
+LARGEST_DECAY = 0.5  # exp(-x) is taken at most there before it is squared: at 8 and, of a number, at 32
 
 
 Series = tuple[tuple[float, ...], float]  # coefficients, middle
@@ -75,7 +77,7 @@ def polynomial(c: ti.template(), x):
 
 
 @ti.func
-def power_of_lanes(base, exponent: ti.template()):
+def polynomial_power(base, exponent: ti.template()):
     """base**exponent by peeling off powers of two."""
     rest, factor = ti.min(base, 32768.0), 0.0 * base + 1.0
     for k in ti.static(UP):
@@ -93,14 +95,29 @@ def power_of_lanes(base, exponent: ti.template()):
     return ti.select(base > 1e-18, factor * polynomial(c, rest - middle), 0.0 * base)
 
 
+def by_polynomials(value: object) -> bool:
+    """Whether the device has no power and no exponential of a value (asked while a kernel is compiled)."""
+    return is_eight(value) or runtime.lacks_functions()
+
+
+@ti.func
+def polynomial_decay(x, squarings: ti.template()):
+    """exp(-x) for x >= 0 by squaring exp(-x / 2**squarings)."""
+    c, middle = ti.static(decay_series())
+    result = polynomial(c, ti.min(x, ti.static(LARGEST_DECAY * 2.0**squarings)) * 0.5**squarings - middle)
+    for _ in ti.static(range(squarings)):
+        result = result * result
+    return result
+
+
 @ti.func
 def power(base, exponent: ti.template()):
     """base**exponent for base >= 0 and an exponent known at compile time."""
     result = base
     if ti.static(exponent == 0.5):
         result = ti.sqrt(base)
-    elif ti.static(exponent != 1.0 and is_eight(base)):
-        result = power_of_lanes(base, exponent)
+    elif ti.static(exponent != 1.0 and by_polynomials(base)):
+        result = polynomial_power(base, exponent)
     elif ti.static(exponent != 1.0):
         result = base**exponent
     return result
@@ -111,10 +128,9 @@ def exp_minus(x):
     """exp(-x) for x >= 0."""
     result = x
     if ti.static(is_eight(x)):
-        c, middle = ti.static(decay_series())
-        result = polynomial(c, ti.min(x, LARGEST_DECAY) * 0.5**SQUARINGS - middle)
-        for _ in ti.static(range(SQUARINGS)):
-            result = result * result
+        result = polynomial_decay(x, SQUARINGS)
+    elif ti.static(by_polynomials(x)):
+        result = polynomial_decay(x, MORE_SQUARINGS)
     else:
         result = ti.exp(0.0 - x)
     return result

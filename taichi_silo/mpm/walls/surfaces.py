@@ -18,7 +18,7 @@ import numpy as np
 from taichi_silo.mpm.frozen import frozen
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.runtime import real, whole_numbers
 from taichi_silo.mpm.walls.contact import Coulomb, NoSlip
 
 PER_CELL = 4  # stations along the edge of a cell
@@ -116,26 +116,26 @@ class Surfaces:
         self.places, self.normals, self.areas, self.owners = place, normal, area * away, owners
         self.fixed = ti.field(real, shape=(self.count, 5))
         self.fixed.from_numpy(np.column_stack([normal, area * away, mu, 1.0 / np.maximum(away, 1e-12)]))
-        self.wall = ti.field(ti.i32, shape=self.count)
+        self.wall = whole_numbers(self.count)
         self.wall.from_numpy(owners.astype(np.int32))
         patch, weight = self._weights(place / h)
         self.patches, self.station_weights = patch, weight
-        self.patch = ti.field(ti.i32, shape=self.count)
+        self.patch = whole_numbers(self.count)
         self.patch.from_numpy(patch)
         self.weight = ti.field(real, shape=(self.count, 9))
         self.weight.from_numpy(weight)
         self.traction = ti.field(real, shape=(self.count, 4))
         self.seen = ti.field(real, shape=(grid.nodes, 3))
-        self.row = ti.field(ti.i32, shape=grid.rows + 1)
+        self.row = whole_numbers(grid.rows + 1)
         self.row.from_numpy(np.searchsorted(row, np.arange(grid.rows + 1)).astype(np.int32))
         nodes = patch[:, None] + np.array([b * grid.columns + a for b in range(3) for a in range(3)])
         given = weight * (area * away)[:, None]
         station = np.repeat(np.arange(self.count), 9)
         sort = np.argsort(nodes.ravel(), kind="stable")
-        self.link, self.given = ti.field(ti.i32, shape=len(sort)), ti.field(real, shape=len(sort))
+        self.link, self.given = whole_numbers(len(sort)), ti.field(real, shape=len(sort))
         self.link.from_numpy(station[sort].astype(np.int32))
         self.given.from_numpy(given.ravel()[sort])
-        self.begin = ti.field(ti.i32, shape=grid.nodes + 1)
+        self.begin = whole_numbers(grid.nodes + 1)
         self.begin.from_numpy(np.searchsorted(nodes.ravel()[sort], np.arange(grid.nodes + 1)).astype(np.int32))
 
     def _weights(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -177,7 +177,7 @@ class Surfaces:
             p, tau, nx, ny = self.traction[q, 0], self.traction[q, 1], self.fixed[q, 0], self.fixed[q, 1]
             fx, fy = -s * (p * nx - tau * ny), -s * (p * ny + tau * nx)
             x, y = x + fx, y + fy
-            impulses.add_wall(self.wall[q], j, (fx * dt, fy * dt))
+            impulses.add_wall(self.wall[q], j, k, (fx * dt, fy * dt))
         return x, y
 
     @ti.func

@@ -30,7 +30,7 @@ class Log(Observer):
         self.stream = open(self.file, "a", buffering=1, encoding="utf-8")  # noqa: SIM115 - see end()
         self.say(
             f"begins: taichi-silo {version('taichi-silo')}, {language.VERSION}, Python "
-            f"{platform.python_version()}, {platform.machine()}; {scene.points} points, {scene.machine.arch}, "
+            f"{platform.python_version()}, {platform.machine()}; {scene.points} points, {runtime.device()}, "
             f"{runtime.threads()} threads"
         )
         self._tell()

@@ -25,6 +25,8 @@ class ProgressLine(Observer):
         """Say what it will cost, and estimate the whole in simulated seconds."""
         self._print(simulation.model.about_averaging, highlight=False, soft_wrap=True)
         self._start(simulation)
+        if not runtime.is_cpu():
+            self._print(f"Steps run on {runtime.device()}.", highlight=False, soft_wrap=True)
         cost = predict(simulation)
         seconds = cost.core_seconds / runtime.threads()
         self._print(

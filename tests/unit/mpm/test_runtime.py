@@ -2,7 +2,10 @@
 
 import gc
 
-from taichi_silo.mpm import runtime
+import pytest
+
+from taichi_silo.mpm import graphics_cards, runtime
+from taichi_silo.mpm.graphics_cards import Card
 from taichi_silo.mpm.language import ti
 
 
@@ -24,3 +27,45 @@ def test_arrays_of_an_ended_taichi_take_nothing_from_the_next():
     del old
     gc.collect()
     assert [total(one) for one in new] == [50.0] * 200
+
+
+CARD, SLOW = Card(1, "Card", "discrete card", True), Card(0, "lavapipe", "software driver", True)
+SINGLE = Card(2, "Phone", "integrated card", False)
+
+
+@pytest.mark.skipif(graphics_cards.chosen(graphics_cards.vulkan_cards()) is None, reason="no Vulkan device with f64")
+@pytest.mark.parametrize("apart", [True, False])
+def test_whole_numbers_lie_apart_from_others_on_vulkan(apart):
+    """In one tree with f64 an odd number of them lies under these; should Taichi mend that, they may stand together."""
+    runtime.init("vulkan")
+    whole = runtime.whole_numbers(3) if apart else ti.field(ti.i32, shape=3)
+    other = ti.field(ti.f64, shape=4)
+    whole.fill(1)
+    other.fill(2.0)
+    assert ((whole.to_numpy() == 1).all() and (other.to_numpy() == 2.0).all()) == apart
+    runtime.init()
+
+
+@pytest.mark.parametrize(
+    ("there", "asked", "taken"),
+    [
+        ([SLOW], "", SLOW), ([CARD, SLOW], "", CARD), ([CARD, SLOW], "0", SLOW), ([SINGLE, SLOW], "", SLOW),
+        ([SINGLE], "", None), ([CARD, SINGLE], "2", None), ([], "", None),
+    ],
+)  # fmt: skip
+def test_vulkan_takes_the_fastest_card_that_computes_in_f64_or_the_one_that_is_asked_for(
+    there, asked, taken, monkeypatch
+):
+    monkeypatch.setenv(graphics_cards.CHOICE, asked)
+    assert graphics_cards.chosen(there) == taken
+
+
+@pytest.mark.parametrize(
+    ("there", "words"),
+    [([], "no Vulkan device answers; install"), ([SINGLE], r"Phone computes in f32 only \(no shaderFloat64\)")],
+)
+def test_a_card_that_cannot_be_used_is_told_in_a_sentence(there, words, monkeypatch):
+    monkeypatch.delenv(graphics_cards.CHOICE, raising=False)
+    monkeypatch.setattr(graphics_cards, "vulkan_cards", lambda: there)
+    with pytest.raises(runtime.ArchitectureError, match=words):
+        runtime.init("vulkan")

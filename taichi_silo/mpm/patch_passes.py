@@ -1,0 +1,239 @@
+"""What a filter of stresses takes out: the passes of (1 - P) between points and patches of three nodes an axis.
+
+P takes stresses to the nodes as means, and back to the points (see `patch_filter`).
+"""
+
+import contextlib
+from typing import Any
+
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.cell_lists import CellLists
+from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.one_node import chosen
+from taichi_silo.mpm.particles import Particles
+from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.shapes.ugimp import UniformGimp
+from taichi_silo.mpm.simd import selftest
+from taichi_silo.mpm.simd.vectors import arrays_of_eight, compiling_simd, eight
+
+PASSES = 4
+LEAST_SPREAD = 0.03  # of centroids around a point along an axis [cells], below which they show no slope along it
+STRIPS = 2  # of points, each with sums of its own, so that their order does not depend on the threads
+STRESS = (1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0)  # slots of the residual
+MIRROR = (1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0, 1.0)  # of the eight slots of a node: x turns round
+
+
+@ti.data_oriented
+class PatchPasses:
+    """The passes, and the arrays that they work on.
+
+    Parameters
+    ----------
+    particles, grid : of the solver.
+    mirrored : whether the grid's last column before its margin is an axis of symmetry (see `mirrored_solver`).
+
+    ==============  ==============  ======================================================================
+    array of eight  shape           meaning
+    ==============  ==============  ======================================================================
+    points          point * 2       residual of the stress (4); weight (volume, 0 where something is not finite),
+                                    place, vector to it from where the means around it are right [cells]
+    sums            strip * node    what the points of a strip gave: weight times residual (4); at first also
+                                    weight and its moments about the node [cells]
+    means           node            of the residual (4)
+    centres         node            1 / weight, 0 (3), weight, centroid from the node [cells]
+    ==============  ==============  ======================================================================
+
+    """
+
+    def __init__(self, particles: Particles, grid: Grid, mirrored: bool):
+        self.particles, self.grid, self.mirrored = particles, grid, mirrored
+        self.weights = UniformGimp(0.5)
+        self.shared = not runtime.is_cpu()
+        self.strips = 1 if self.shared else STRIPS
+        self.lists: Any = CellLists(particles, grid, self.weights) if self.shared else None
+        self.points = runtime.array(eight, 2 * particles.count)
+        self.sums = runtime.array(eight, self.strips * grid.nodes)
+        self.means, self.centres = runtime.array(eight, grid.nodes), runtime.array(eight, grid.nodes)
+        self.sums.fill(0.0)
+        self.compiled = False
+
+    def run(self) -> None:
+        """Leave in `points` what the passes leave of the stresses that stand there."""
+        arrays = self.points, self.sums, self.means, self.centres
+        if self.shared:
+            self.lists.fill(0)
+            self._pass_on_tasks(*arrays)
+            return
+        vectors = real == ti.f64 and not selftest.failure()
+        with compiling_simd() if vectors and not self.compiled else contextlib.nullcontext():
+            self._pass(*arrays)
+        self.compiled = True
+
+    # pass 0 gives the stresses to the nodes, each later one what the one before it has left of them
+
+    @ti.kernel
+    def _pass(
+        self, points: arrays_of_eight, sums: arrays_of_eight, means: arrays_of_eight, centres: arrays_of_eight
+    ):  # fmt: skip
+        for number in ti.static(range(PASSES + 1)):
+            ti.loop_config(block_dim=1)
+            for strip in range(self.strips):
+                for p in range(self._first(strip), self._first(strip + 1)):
+                    self._point(number, points, sums, means, centres, strip, p, number > 0, number < PASSES, 0, 0)
+            if ti.static(number < PASSES and self.mirrored):
+                for j in range(self.grid.rows):
+                    self._fold(sums, j)
+            if ti.static(number < PASSES):
+                for k in range(self.grid.nodes):
+                    self._take_means(number, sums, means, centres, k)
+
+    @ti.kernel
+    def _pass_on_tasks(
+        self, points: arrays_of_eight, sums: arrays_of_eight, means: arrays_of_eight, centres: arrays_of_eight
+    ):  # fmt: skip
+        for number in ti.static(range(PASSES + 1)):
+            if ti.static(number > 0):
+                for p in range(self.particles.count):
+                    if self.particles.is_there(p):
+                        self._point(number, points, sums, means, centres, 0, p, True, False, 0, 0)
+            if ti.static(number < PASSES):
+                for k in range(self.grid.nodes):
+                    i, j = k % self.grid.columns, k // self.grid.columns
+                    for given in ti.static([Given(self, number, points, sums, means, centres, i, j)]):
+                        self.lists.ask(given, 0, i, j, 0)
+                    if ti.static(not self.mirrored):
+                        self._take_means(number, sums, means, centres, k)
+            if ti.static(number < PASSES and self.mirrored):
+                for j in range(self.grid.rows):
+                    self._fold(sums, j)
+                for k in range(self.grid.nodes):
+                    self._take_means(number, sums, means, centres, k)
+
+    @ti.func
+    def _first(self, strip):
+        """Number of the first point of a strip."""
+        return strip * self.particles.active[None] // self.strips
+
+    @ti.func
+    def _point(
+        self, number: ti.template(), points: ti.template(), sums: ti.template(), means: ti.template(),
+        centres: ti.template(), strip, p, subtracts: ti.template(), gives: ti.template(), column, row,
+    ):  # fmt: skip
+        """Point p's part of a pass: it subtracts the means from what it has left, and gives that to the nodes.
+
+        On tasks it gives only to the node in a column and a row (see `one_node`).
+        """
+        known, left = points[2 * p + 1], points[2 * p]
+        i, sx, gx, j, sy, gy = self._patch(known[1], known[2])
+        from_x, from_y = known[1] - (i - MARGIN), known[2] - (j - MARGIN)
+        if ti.static(subtracts):
+            tx, ty = known[3], known[4]
+            if ti.static(number == 1):
+                tx, ty = self._vector_to_point(centres, from_x, from_y, i, sx, gx, j, sy, gy)
+                points[2 * p + 1] = eight(known[0], known[1], known[2], tx, ty, 0.0, 0.0, 0.0)
+            for b in ti.static(range(3)):
+                for a in ti.static(range(3)):
+                    share = sx[a] * sy[b] - tx * gx[a] * sy[b] - ty * sx[a] * gy[b]
+                    left = left - eight(share) * means[self.grid.node(i + a, j + b)]
+            points[2 * p] = left
+        if ti.static(gives):
+            given = left
+            if ti.static(number == 0):
+                given = left + eight(0.0, 0.0, 0.0, 0.0, 1.0, from_x, from_y, 0.0)
+            if ti.static(self.shared):
+                a, b = column - i, row - j
+                if ti.static(self.grid.periodic):
+                    a = a % self.grid.columns
+                offset = eight(0.0, 0.0, 0.0, 0.0, 0.0, ti.cast(a, real), ti.cast(b, real), 0.0)
+                of_node = given - offset if ti.static(number == 0) else given
+                k = self.grid.node(i + a, j + b)
+                sums[k] = sums[k] + eight(known[0] * chosen(sx, a) * chosen(sy, b)) * of_node
+            else:
+                for y in ti.static(range(3)):
+                    for x in ti.static(range(3)):
+                        offset = eight(*ti.static((0.0, 0.0, 0.0, 0.0, 0.0, float(x), float(y), 0.0)))
+                        of_node = given - offset if ti.static(number == 0) else given
+                        k = strip * self.grid.nodes + self.grid.node(i + x, j + y)
+                        sums[k] = sums[k] + eight(known[0] * sx[x] * sy[y]) * of_node
+
+    @ti.func
+    def _patch(self, x, y):
+        """First column, weights and slopes along x, first row, the same along y, of nodes around a place [cells]."""
+        i, sx, gx, j, sy, gy = self.weights.patch(0, x, y, (0.0, 0.0, 0.0, 0.0))
+        column, row = ti.cast(i, ti.i32) + MARGIN, ti.cast(j, ti.i32) + MARGIN
+        # a point that has left the grid (the guard will stop the run) must not write outside it
+        if ti.static(not self.grid.periodic):
+            column = ti.max(0, ti.min(column, self.grid.columns - 3))
+        return column, sx, gx, ti.max(0, ti.min(row, self.grid.rows - 3)), sy, gy
+
+    @ti.func
+    def _vector_to_point(self, centres: ti.template(), from_x, from_y, i, sx, gx, j, sy, gy):
+        """The vector to a point from where the means around it are right, so that they find a linear field exactly.
+
+        The sum of s_i m_i is the field at the centroid of the centroids; its slope (d/dx, d/dy) follows from the sums
+        of m_i grad s_i, which are `spread` times that slope.
+        """
+        offset_x, offset_y, xx, xy, yx, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # and the spread
+        for b in ti.static(range(3)):
+            for a in ti.static(range(3)):
+                centre = centres[self.grid.node(i + a, j + b)]
+                if centre[4] > 0.0:
+                    cx, cy = centre[5] + a - from_x, centre[6] + b - from_y
+                    s, dx, dy = sx[a] * sy[b], gx[a] * sy[b], sx[a] * gy[b]
+                    offset_x, offset_y = offset_x + s * cx, offset_y + s * cy
+                    xx, xy, yx, yy = xx + dx * cx, xy + dx * cy, yx + dy * cx, yy + dy * cy
+        tx, ty, area = 0.0, 0.0, xx * yy - xy * yx
+        if area > LEAST_SPREAD * LEAST_SPREAD:
+            tx, ty = (yy * offset_x - yx * offset_y) / area, (xx * offset_y - xy * offset_x) / area
+        else:  # a strand
+            if xx > LEAST_SPREAD:
+                tx = offset_x / xx
+            if yy > LEAST_SPREAD:
+                ty = offset_y / yy
+        return tx, ty
+
+    @ti.func
+    def _take_means(
+        self, number: ti.template(), sums: ti.template(), means: ti.template(), centres: ti.template(), k
+    ):  # fmt: skip
+        """Mean of the residual at node k, and at first the weight and its centroid; the sums are emptied."""
+        total = eight(0.0)
+        for strip in ti.static(range(self.strips)):
+            total = total + sums[strip * self.grid.nodes + k]
+            sums[strip * self.grid.nodes + k] = eight(0.0)
+        centre = centres[k]
+        if ti.static(number == 0):
+            weight = total[4]
+            per_weight = ti.select(weight > 0.0, 1.0 / ti.max(weight, 1e-300), 0.0)
+            centre = eight(per_weight, 0.0, 0.0, 0.0, weight, total[5] * per_weight, total[6] * per_weight, 0.0)
+            centres[k] = centre
+        means[k] = eight(centre[0]) * eight(*ti.static(STRESS)) * total
+
+    @ti.func
+    def _fold(self, sums: ti.template(), j):
+        """What the points' mirror images beyond the axis give as well, in row j."""
+        axis = self.grid.node(self.grid.columns - 1 - MARGIN, j)
+        for strip in ti.static(range(self.strips)):
+            for n in ti.static(range(MARGIN + 1)):
+                here, there = strip * self.grid.nodes + axis - n, strip * self.grid.nodes + axis + n
+                total = sums[here] + eight(*ti.static(MIRROR)) * sums[there]
+                sums[here], sums[there] = total, eight(*ti.static(MIRROR)) * total
+
+
+@ti.data_oriented
+class Given:
+    """What points give to node (i, j) in a pass (see `CellLists.ask`)."""
+
+    def __init__(
+        self, passes: PatchPasses, number: int, points: Any, sums: Any, means: Any, centres: Any, i: Any, j: Any
+    ):
+        self.passes, self.number, self.i, self.j = passes, number, i, j
+        self.points, self.sums, self.means, self.centres = points, sums, means, centres
+
+    @ti.func
+    def visit(self, p):
+        """Take what point p gives."""
+        self.passes._point(
+            self.number, self.points, self.sums, self.means, self.centres, 0, p, False, True, self.i, self.j
+        )  # fmt: skip
