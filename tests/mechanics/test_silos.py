@@ -259,7 +259,8 @@ def test_beside_inclined_walls_the_filter_changes_neither_the_rest_nor_the_begin
     for chosen in ("patch", "none"):
         runtime.init()
         scene = Scene(
-            silo=Silo(hopper=Hopper(half_angle_deg=15.0, outlet_width_m=0.08)), walls=SMOOTH, grid=Mesh(cell_size_m=0.01),
+            silo=Silo(hopper=Hopper(half_angle_deg=15.0, outlet_width_m=0.08)), walls=SMOOTH,
+            grid=Mesh(cell_size_m=0.01),
             flow=Flow(speed_m_per_s=0.02, displacement_m=0.002), method=Method(stress_filter=chosen),
         )  # fmt: skip
         records = list(Simulation(scene).run())
