@@ -28,7 +28,7 @@ def mass_on_grid(solver):
     @ti.kernel
     def scatter_all():
         for p in range(solver.particles.count):
-            scatter(store, solver.shape, solver.transfer, solver.surroundings, p, 0, True, True)
+            scatter(store, solver.transfer, solver.surroundings, p, 0, True, True)
 
     scatter_all()
     total = float(solver.grid.mass.to_numpy().sum())
