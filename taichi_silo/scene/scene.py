@@ -27,6 +27,7 @@ MOST_PER_CELL = 10_000
 MOST_CELLS = 20_000  # across or along a silo
 SNAPSHOTS, FEWEST_SNAPSHOTS = 100, 10  # over the flow, of small and of large scenes
 MOST_STATES = 10_000_000  # points times snapshots, where their number is not given: about 0.8 GB
+POINTS_OF_A_THREAD, MOST_THREADS = 1000, 16  # fewer points wait longer for each other than they gain
 
 
 def cores() -> int:
@@ -227,7 +228,9 @@ class Machine(Options):
         "cpu", description="processor, graphics card of Nvidia, or any card that computes in f64 through Vulkan"
     )
     threads: int = Field(
-        default_factory=lambda: min(2, cores()), ge=1, description="threads of the processor; up to 2 if absent"
+        default_factory=lambda: min(MOST_THREADS, cores()),
+        ge=1,
+        description="threads of the processor; if absent, one for each 1000 points, at most 16, if it has so many",
     )
     lanes: bool = Field(True, description="eight points at once on the CPU's vector unit, where that can be trusted")
 
@@ -292,6 +295,13 @@ class Scene(Options):
             raise ValueError(f"walls are {self.walls.kind}; in an average with rigid walls they must be very rough")
         half_model(self)
         self._check_outflow()
+        return self
+
+    @model_validator(mode="after")
+    def _share(self):
+        if "threads" not in self.machine.model_fields_set:
+            threads = max(1, min(MOST_THREADS, cores(), self.points // POINTS_OF_A_THREAD))
+            object.__setattr__(self, "machine", self.machine.model_copy(update={"threads": threads}))
         return self
 
     def _check_outflow(self) -> None:

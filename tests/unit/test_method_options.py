@@ -165,3 +165,12 @@ def test_every_shape_runs_through_a_whole_coarse_silo(shape):
     assert max(abs(r.residual_N_per_m) for r in records) < 1e-9 * scene.weight_N_per_m
     assert max(r.strays for r in records) == 0
     assert np.isfinite([r.normal_N_per_m for r in records]).all()
+
+
+@pytest.mark.parametrize(
+    ("cell_size_m", "cores", "threads"), [(0.005, 8, 4), (0.005, 2, 2), (0.01, 8, 1), (0.0025, 64, 16)]
+)
+def test_a_scene_takes_a_thread_for_a_thousand_points(monkeypatch, cell_size_m, cores, threads):
+    monkeypatch.setattr("taichi_silo.scene.scene.cores", lambda: cores)
+    assert Scene(grid=Mesh(cell_size_m=cell_size_m)).machine.threads == threads
+    assert Scene(grid=Mesh(cell_size_m=cell_size_m), machine=Machine(threads=1)).machine.threads == 1
