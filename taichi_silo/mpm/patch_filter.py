@@ -17,8 +17,8 @@ l_p being its whole path, grows as the sand forgets. Nothing happens to sand at 
 elastic one, nor, but for parts in a thousand, to sand that is being filled, and the error is of eighth order in the
 cell size. The filter must not act earlier: beside walls that cut cells, equilibrium of the nodes needs stresses that
 vary from cell to cell. Where they fade, sand strains until it has them again, which makes them fade again: it creeps,
-and in a hopper N after filling is half as large again. With one point a cell they are larger, and l is five times as
-long there.
+and in a hopper N after filling is half as large again. With one point a cell it creeps in flow as well, and a scene
+has no filter there (`scene.stress_filter`).
 
 What P does not know at all fades as exp(-m gamma / STRAIN) whatever the turns; what it half knows fades the more, the
 more turns share a strain, so turns follow each other by the way of the points (`TURN`), whatever the time step.
@@ -38,7 +38,6 @@ from taichi_silo.mpm.simd.vectors import arrays_of_eight, eight
 
 STRAIN = 3e-4  # over which a pattern falls to 1 / e
 FORGETS = 0.02  # l: path of the strain, over which sand forgets its stress
-FORGETS_BESIDE_SURFACES = 0.1  # the same for one point a cell where walls cut cells
 TURN = 3e-3  # of a cell: way of the fastest point between two turns of the filter
 MOST_STEPS = 2000  # between them
 FINITE = 1e30  # a larger stress [Pa] is none
@@ -62,7 +61,6 @@ class PatchFilter:
         self.particles, self.grid, self.law = particles, grid, law
         self.path = ti.field(real, shape=particles.count)  # of the strain at the last turn
         self.ACTIVE = self.BETWEEN_LAUNCHES = getattr(law, "FORGETS", True)
-        self.forgets = FORGETS
         self.revision, self.way, self.steps = -1, 0.0, 0  # of the points; way [cells] and steps since the last turn
         self.passes = PatchPasses(particles, grid, mirrored)
 
@@ -141,7 +139,7 @@ class PatchFilter:
             if not self.particles.is_there(p):
                 continue
             path = self.particles.path[p]
-            forgets = 1.0 - exp_minus((path / self.forgets) ** 2)
+            forgets = 1.0 - exp_minus((path / FORGETS) ** 2)
             share = 1.0 - exp_minus(forgets * (path - self.path[p]) / STRAIN)
             self.path[p] = path
             if points[2 * p + 1][0] > 0.0:

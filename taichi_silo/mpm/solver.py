@@ -19,7 +19,6 @@ from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import Local, NonLocal
 from taichi_silo.mpm.p2g import scatter, second_scatter
 from taichi_silo.mpm.particles import Particles
-from taichi_silo.mpm.patch_filter import FORGETS_BESIDE_SURFACES, PatchFilter
 from taichi_silo.mpm.readings import Readings, Record, TaskReadings
 from taichi_silo.mpm.simd import selftest
 from taichi_silo.mpm.simd.executor import Simd, hindrance
@@ -96,8 +95,6 @@ class Solver:
         if surfaces:
             density = float(particles.mass[0] / particles.volume[0])
             self.surfaces = Surfaces(surfaces, grid, density, len(self.walls), self.surroundings.geometry.depth)
-            if isinstance(self.filter, PatchFilter) and shape.half_size > 0.25:  # one point a cell
-                self.filter.forgets = FORGETS_BESIDE_SURFACES
         rubs = any(getattr(wall.contact, "coefficient", 0.0) > 0.0 for wall in (*self.walls, *surfaces))
         self.friction: Any = AtOnce()
         if rubs and friction_delay_s != 0.0:

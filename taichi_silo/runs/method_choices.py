@@ -9,9 +9,9 @@ from typing import Any
 
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.laws.integrate import LOCAL_ERROR
-from taichi_silo.mpm.patch_filter import STRAIN
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.stress_filter import filter_of
 from taichi_silo.scene.symmetry import half_model
 from taichi_silo.simulation.discretise import noise_control, period_of, rows_of_cells
 from taichi_silo.simulation.section import Section
@@ -108,13 +108,8 @@ def sub_stepping(scene: Scene) -> Part:
 
 def stress_filter(scene: Scene) -> Part:
     """Of patterns of stress that no node feels."""
-    count, name = scene.grid.points_per_cell, scene.method.stress_filter
-    because = (
-        f"With {count} point{'s' * (count > 1)} a cell nodes do not feel {3 * count - 2} of {3 * count} patterns of "
-        f"stress, and sheared sand holds none of them; those that vary from point to point fade over {STRAIN:g} of "
-        "strain."
-    )
-    return Part("stress filter", name, because if name == "patch" else f"As asked for: {name}.", "--filter")
+    name, because = filter_of(scene)
+    return Part("stress filter", name, because, "--filter")
 
 
 def domains(scene: Scene) -> Part:

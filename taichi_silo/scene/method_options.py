@@ -16,7 +16,8 @@ if TYPE_CHECKING:  # for a type checker names, which the method's own lists hold
     StressUpdate: TypeAlias = str
     StressFilter: TypeAlias = str
 else:
-    Shape, Transfer, StressFilter = (Literal[tuple(names)] for names in (SHAPES, TRANSFERS, FILTERS))
+    Shape, Transfer = (Literal[tuple(names)] for names in (SHAPES, TRANSFERS))
+    StressFilter = Literal[("auto", *FILTERS)]
     StressUpdate = Literal[STRESS_UPDATES]
 
 
@@ -29,8 +30,9 @@ class MethodOptions(Options):
         "last", description="when stresses are updated; modified: last, from velocities sent to the nodes once more"
     )
     stress_filter: StressFilter = Field(
-        "patch",
-        description="filter of the stresses; patch: takes out, by strain, what no node feels; smoothing: the paper's",
+        "auto",
+        description="filter of the stresses; patch: takes out, by strain, what no node feels; auto: patch, but none "
+        "with one point a cell beside walls that cut cells; smoothing: the paper's",
     )
     time_step_s: float | None = Field(None, ge=1e-9, le=1, description="time step; from the sand's stiffness if absent")
     cfl: float | None = Field(
@@ -59,7 +61,7 @@ class MethodOptions(Options):
         return {
             "transfer": self.transfer_of_points(),
             "stress_update": self.stress_update,
-            "filtering": FILTERS[self.stress_filter],
+            "filtering": FILTERS["patch" if self.stress_filter == "auto" else self.stress_filter],
         }
 
     def time_step(self, found: Any, safety: float) -> float:

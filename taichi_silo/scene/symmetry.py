@@ -75,7 +75,7 @@ def _obstacle(scene: "Scene") -> str:
     kernel, _ = scene.averaging.kernel(scene.sand, scene.spacing_m)
     if kernel is not None and scene.averaging.summed_by(kernel, scene.spacing_m) == "rows":
         return f"the non-local average, {1e3 * kernel.length_m:g} mm long, is summed over neighbours across the axis"
-    if scene.method.stress_filter not in ("none", "patch"):
+    if scene.method.stress_filter not in ("none", "patch", "auto"):
         return f"the {scene.method.stress_filter} filter averages across the axis"
     return ""
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.mpm.contracts import Shape, Wall
+from taichi_silo.mpm.filters import FILTERS
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
@@ -15,6 +16,7 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.solver import Solver
 from taichi_silo.mpm.walls import Surface
 from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.stress_filter import filter_of
 from taichi_silo.simulation.section import Section
 from taichi_silo.simulation.wall_forces import WallForces
 
@@ -78,5 +80,5 @@ class Model:
             surroundings=Surroundings(self.section.geometry), surfaces=self.surfaces,
             friction_delay_s=0.0,  # what that is against, sand and the noise control's drag damp in a silo
             simd=None if self.scene.machine.lanes else False,
-            **self.scene.method.solver_options(),
+            **self.scene.method.solver_options() | {"filtering": FILTERS[filter_of(self.scene)[0]]},
         )  # fmt: skip
