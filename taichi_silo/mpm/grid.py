@@ -54,10 +54,7 @@ class Grid:
         self.rows = self.top + 1 + MARGIN
         self.nodes = self.columns * self.rows
         self.copies = copies
-        self.mass = ti.field(real)
-        self.momentum = ti.Vector.field(2, real)
-        self.force = ti.Vector.field(2, real)
-        ti.root.dense(ti.i, copies * self.nodes).place(self.mass, self.momentum, self.force)
+        self.mass = self.momentum = self.force = None  # see `hold_sums`
         self.velocity = ti.Vector.field(2, real)
         self.change = ti.Vector.field(2, real)
         ti.root.dense(ti.i, self.nodes).place(self.velocity, self.change)
@@ -66,18 +63,19 @@ class Grid:
         self.stretch = ti.field(real, shape=copies)
         self.stretch.fill(1.0)
 
+    def hold_sums(self) -> None:
+        """Have the three sums, which the vector unit keeps in arrays of its own."""
+        if self.mass is None:
+            self.mass = ti.field(real)
+            self.momentum = ti.Vector.field(2, real)
+            self.force = ti.Vector.field(2, real)
+            ti.root.dense(ti.i, self.copies * self.nodes).place(self.mass, self.momentum, self.force)
+
     def forget_all(self) -> None:
         """Stand as at the beginning."""
-        for sums in (
-            self.mass,
-            self.momentum,
-            self.force,
-            self.velocity,
-            self.change,
-            self.second_velocity,
-            self.memory,
-        ):
-            sums.fill(0.0)
+        sums = (self.mass, self.momentum, self.force) if self.mass is not None else ()
+        for field in (*sums, self.velocity, self.change, self.second_velocity, self.memory):
+            field.fill(0.0)
         self.stretch.fill(1.0)
 
     def node_along(self, position_m: float) -> int:

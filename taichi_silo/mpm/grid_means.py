@@ -32,7 +32,6 @@ NEXT = 0.5 * VARIANCE - 4.0 * FURTHEST  # of neighbours
 TAPS = (1.0 - 2.0 * NEXT - 2.0 * FURTHEST, NEXT, FURTHEST)
 REACH = len(TAPS) - 1
 RECORD = 8  # numbers of a point, so that they lie in one line of the cache
-HALVES = 2  # of the vector unit's strips, each with sums of its own, or as many as threads
 GROWTH = 1.5  # by which a grid whose height follows the sand may grow
 
 
@@ -65,7 +64,7 @@ class GridMeans(Means):
     ):  # fmt: skip
         super().__init__(kernel, particles, rigid_planes, alike_along_x)
         self.spacing, self.mirrored = kernel.length_m / PER_LENGTH, mirrored
-        self.copies, self.reach_m = max(HALVES, grid.copies), 3.0 * self.spacing
+        self.copies, self.reach_m = 0, 3.0 * self.spacing
         margin = MARGIN * grid.cell_size / self.spacing
         width = 0.0 if alike_along_x else (grid.columns - 1 - 2 * MARGIN) * grid.cell_size / self.spacing
         height = grid.height * (1.0 if grid.follows in ("bottom", "nothing") else GROWTH) / self.spacing
@@ -78,14 +77,20 @@ class GridMeans(Means):
         self.nodes = self.columns * self.rows
         self.first = whole_numbers(particles.count + 1)  # the last entry is that of no point
         self.weights = ti.field(real, shape=(particles.count + 1, RECORD))
-        self.given = ti.field(real, shape=self.copies * self.nodes)
         self.convolved, self.result = (ti.field(real, shape=self.nodes) for _ in range(2))
+
+    def hold(self, copies: int) -> None:
+        """See `Means`."""
+        self.copies = copies
+        self.given = ti.field(real, shape=copies * self.nodes)
 
     def passes(self) -> tuple:
         """Along x, and along y."""
         return self.along_row, self.along_columns
 
     def _build(self, place: np.ndarray) -> None:
+        if not self.copies:
+            self.hold(1)
         entries = self.particles.count + 1
         first, weights = np.zeros(entries, dtype=np.int32), np.zeros((entries, RECORD))
         node, parts = np.zeros((2, len(place)), dtype=np.int32), []

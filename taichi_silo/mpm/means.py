@@ -56,6 +56,9 @@ class Means:
 
     rows, copies, reach_m = 0, 1, 0.0  # the last: between points that add to a common node of the passes, at most
 
+    def hold(self, copies: int) -> None:
+        """Have so many copies of what points give, one for each that adds to it without waiting for the others."""
+
     def passes(self) -> tuple:
         """None: values that have been given are all that `mean` needs."""
         return ()

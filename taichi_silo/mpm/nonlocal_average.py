@@ -75,6 +75,9 @@ class Local:
     KEPT = 0
     reach_m = 0.0
 
+    def hold(self, copies: int) -> None:
+        """Nothing."""
+
 
 def summed_by(kernel: Weight, spacing_m: float) -> str:
     """Which means are faster for points so far apart: over a "grid", or over "rows" of neighbours."""
@@ -125,6 +128,10 @@ class NonLocal:
         self.reach_m = self.means.reach_m
         self.allowed = tolerance * kernel.length_m
         self.rates = tuple(ti.field(real, shape=particles.count) for _ in range(self.KEPT))
+
+    def hold(self, copies: int) -> None:
+        """See `Means`."""
+        self.means.hold(copies)
 
     def phases(self) -> list[Phase]:
         """What runs between `keep` of all points and `mean`."""

@@ -22,6 +22,7 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.readings import Readings, Record, TaskReadings
 from taichi_silo.mpm.simd import selftest
 from taichi_silo.mpm.simd.executor import Simd, hindrance
+from taichi_silo.mpm.simd.store import HALVES
 from taichi_silo.mpm.tasks import Tasks
 from taichi_silo.mpm.tensors import norm
 from taichi_silo.mpm.velocity_transfer import Flip
@@ -115,6 +116,7 @@ class Solver:
         if simd is None and not obstacle:
             self.simd_refused = selftest.failure()
             simd = not self.simd_refused
+        self.averaging.hold(HALVES if simd else 1 if on_tasks else runtime.threads())
         if simd:
             return Simd(phases, self.particles, self.grid, self.shape, self.surroundings, self.averaging)
         store = Fields(self.particles, self.grid, self.shape, on_tasks)
