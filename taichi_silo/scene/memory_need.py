@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from taichi_silo.errors import BadInput
+from taichi_silo.mpm.grid_means import PER_LENGTH
 from taichi_silo.mpm.neighbour_rows import most_pairs
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.symmetry import half_model
@@ -13,7 +14,9 @@ from taichi_silo.scene.symmetry import half_model
 GIB = 2.0**30
 OF_PROCESS = 0.28 * GIB  # Python, Taichi and the compiled step
 OF_POINT = 860.0  # bytes, of the fields of a point and its node, and of copies: 600 to 900 and the patch filter's 176
-OF_PAIR = 12.0  # of a non-local average
+OF_MEAN = 140.0  # of a point in a non-local average
+OF_PAIR = 12.0  # of neighbours
+OF_MEAN_NODE = 32.0  # of the average's grid
 GROUPS = (  # where Linux keeps the limit of a control group, such as that of a container or of a batch job
     Path("/sys/fs/cgroup/memory.max"),
     Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
@@ -24,10 +27,14 @@ def needed(scene: Scene) -> float:
     """Bytes that a run of a scene takes, on the processor; rather too few than too many."""
     points = scene.points / (2 if half_model(scene)[0] or scene.silo.section == "round" else 1)
     kernel, _ = scene.averaging.kernel(scene.sand, scene.spacing_m)
-    pairs = 0
-    if kernel and scene.averaging.summed_by(kernel, scene.spacing_m) == "rows":
-        pairs = most_pairs(kernel.radius, scene.spacing_m, int(points))
-    return OF_PROCESS + OF_POINT * points + OF_PAIR * pairs
+    average = 0.0
+    if kernel:
+        average = OF_MEAN * points
+        if scene.averaging.summed_by(kernel, scene.spacing_m) == "rows":
+            average += OF_PAIR * most_pairs(kernel.radius, scene.spacing_m, int(points))
+        else:
+            average += OF_MEAN_NODE * points * (PER_LENGTH * scene.spacing_m / kernel.length_m) ** 2
+    return OF_PROCESS + OF_POINT * points + average
 
 
 def available() -> float:

@@ -169,7 +169,7 @@ class Averaging(Options):
         if by_rows and most_pairs(kernel.radius, spacing_m, points) > MOST_PAIRS:
             raise ValueError(
                 f"characteristic length is {length:g} m; with {points} points {1e3 * spacing_m:g} mm apart that makes "
-                f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one or larger cells"
+                f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one, larger cells, or the means by a grid"
             )
 
     def kernel(self, sand: Sand, spacing_m: float) -> tuple[Weight | None, str]:

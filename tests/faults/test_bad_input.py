@@ -32,7 +32,7 @@ IMPOSSIBLE = [
     ("mass_flow --sand mine.toml", ["mine.toml", "cannot be read"]),
     ("mass_flow --law elastic", ["elastic", "gudehus-bauer", "intergranular"]),
     ("mass_flow --characteristic-length -0.001", ["characteristic_length_m", "-0.001", "at least 0"]),
-    ("mass_flow --cell-size 0.0005 --characteristic-length 0.05", ["characteristic length", "0.05", "pairs"]),
+    ("mass_flow --cell-size 0.0005 --characteristic-length 0.05 --averaging-means rows", ["0.05", "pairs", "grid"]),
     ("mass_flow --half maybe", ["half", "maybe", "auto"]),
     ("mass_flow --half yes --filter null-space", ["half is yes", "null-space", "auto or no"]),
     ("mass_flow --weight box", ["box", "gaussian", "exponential"]),
