@@ -23,7 +23,7 @@ SHARED = (  # by all scenarios of a silo
     "sand.void_ratio", "sand.law", "walls.kind", ANGLE, "walls.bottom_friction_angle_deg",
     "filling.kind", "filling.layers", "filling.drop_m", "silo.half",
     "grid.cell_size_m", "grid.points_per_cell", "grid.shape", "averaging.characteristic_length_m", "averaging.weight",
-    "averaging.wall",
+    "averaging.wall", "averaging.means",
     "method.noise_control", "machine.threads", "machine.arch", "output.records_per_period", "output.snapshots",
     *flags.METHOD,
 )  # fmt: skip
@@ -100,4 +100,7 @@ def _tables(
     void_ratio, law = settings.pop("sand.void_ratio"), settings.pop("sand.law")
     if settings["walls.kind"] == "smooth" and ANGLE not in settings:
         settings[ANGLE] = model_silo.smooth_angle_deg(void_ratio)
-    return tables_with(scene, settings) | {"sand": named_sand(sand, void_ratio, law=law).model_dump()}
+    tables = tables_with(scene, settings) | {"sand": named_sand(sand, void_ratio, law=law).model_dump()}
+    if "machine.threads" not in settings:
+        del tables["machine"]["threads"]  # those of the default scene, which has other points
+    return tables

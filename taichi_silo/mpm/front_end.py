@@ -42,7 +42,12 @@ def line_of(frame: Any) -> str:
 
 
 def speed_up(name: str) -> None:
-    """Let the language of a name, taichi or quadrants, remember what it looks up."""
+    """Let the language of a name, taichi or quadrants, remember what it looks up, if it looks it up as it does now."""
+    with contextlib.suppress(ImportError, AttributeError):
+        _speed_up(name)
+
+
+def _speed_up(name: str) -> None:
     deciding, reading, wrapping = (importlib.import_module(f"{name}.lang.{module}") for module in MODULES[name])
     deciding._inside_class = inside_class
     reading.getsourcelines, reading.getsourcefile = remember(reading.getsourcelines), remember(reading.getsourcefile)
