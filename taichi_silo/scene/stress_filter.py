@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+from taichi_silo.mpm.patch_filter import STRAIN
+
 if TYPE_CHECKING:
     from taichi_silo.scene.scene import Scene
 
@@ -18,5 +20,6 @@ def filter_of(scene: "Scene") -> tuple[str, str]:
         )
     return "patch", (
         f"With {count} point{'s' * (count > 1)} a cell nodes do not feel {3 * count - 2} of {3 * count} patterns of "
-        "stress, and sheared sand holds none of them; those that vary from point to point fade with the strain."
+        f"stress, and sheared sand holds none of them; those that vary from point to point fade over {STRAIN:g} of "
+        "strain."
     )
