@@ -61,7 +61,7 @@ def test_a_choice_goes_through_the_whole_of_an_element_test(said, tmp_path):
 
 def test_the_defaults_are_those_that_the_map_recommends_and_warn_of_nothing():
     assert MethodOptions() == MethodOptions(
-        transfer="flip", stress_update="last", stress_filter="patch", mass_scaling=1.0
+        transfer="flip", stress_update="last", stress_filter="auto", mass_scaling=1.0
     )
     assert known_limits.of_method(Scene()) == []
 
