@@ -62,7 +62,9 @@ class Simd(Executor):
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.strips = 2  # that the points are cut into
         # rows of cells between points of strips with the same sums: no common node, and a row that either may move
-        self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), math.ceil(averaging.reach_m / grid.cell_size)) + 2
+        reach = math.ceil(averaging.reach_m / grid.cell_size)
+        self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), reach) + 2
+        self.gap = max(0, reach - shape.NODES)  # rows of nodes that must stay between their nodes
         self.compiled = False
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
@@ -162,14 +164,14 @@ class Simd(Executor):
 
     @ti.kernel
     def _crowded(self) -> ti.i32:
-        """Whether strips with the same sums have come closer than a row of nodes."""
+        """Whether strips with the same sums have come closer than a row of nodes and the gap."""
         found = 0
         ti.loop_config(serialize=True)
         for a in range(STRIPS):
             for b in range(a + 1, STRIPS):
                 low, high = self.layout.reach[b, 0], self.layout.reach[a, 1]
                 holds = self.layout.reach[a, 0] < high and low < self.layout.reach[b, 1]
-                if holds and self.layout.half[a] == self.layout.half[b] and low <= high:
+                if holds and self.layout.half[a] == self.layout.half[b] and low <= high + self.gap:
                     found = 1
         return found
 
