@@ -11,7 +11,7 @@ from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.grid_means import GridMeans
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.neighbour_rows import NeighbourRows
-from taichi_silo.mpm.nonlocal_average import Exponential, Gaussian, NonLocal, self_weight
+from taichi_silo.mpm.nonlocal_average import Exponential, Gaussian, NonLocal, self_weight, summed_by
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.scene.scene import Averaging, Mesh, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import Simulation
@@ -283,3 +283,26 @@ def test_beyond_an_axis_of_symmetry_the_grid_finds_the_mirror_image():
     rows = rows_of(Gaussian(LENGTH), whole, spacing)
     rows.build()
     assert np.abs(found[0] - Reading(rows)(np.tile(values, 2))[: len(half)]).max() < 0.01
+
+
+def test_the_grids_kernel_has_the_moments_of_the_gaussian():
+    """Far from every edge a variance of l_c^2 / 2, and where nodes lie averaged out no fourth cumulant."""
+    spacing = LENGTH / 6.0  # four points to a node
+    x, y = np.meshgrid(np.arange(0.5, 84) * spacing, np.arange(0.5, 84) * spacing)
+    place = np.stack([x.ravel(), y.ravel()], axis=1)
+    means = grid_of(Gaussian(LENGTH), place, spacing)
+    means.build()
+    read, some = Reading(means), [k * 84 + k for k in range(42, 46)]
+    for axis in (0, 1):
+        moments = []
+        for at in some:
+            away = (place[:, axis] - place[at, axis]) / LENGTH
+            moments.append([read(away**power)[at] for power in (2, 4)])
+        assert [variance for variance, _ in moments] == pytest.approx([0.5] * 4, rel=1e-9)
+        assert np.mean(moments, axis=0)[1] == pytest.approx(0.75, rel=1e-3)
+
+
+@pytest.mark.parametrize(("across", "by"), [(1.2, "rows"), (1.49, "rows"), (1.51, "grid"), (4.0, "grid")])
+def test_means_of_a_gaussian_are_summed_by_the_grid_from_one_and_a_half_spacings_on(across, by):
+    assert summed_by(Gaussian(LENGTH), LENGTH / across) == by
+    assert summed_by(Exponential(LENGTH), LENGTH / across) == "rows"
