@@ -17,6 +17,7 @@ COMMANDS = (
     "export",
     "gallery",
     "sweep",
+    "converge",
     "drawing",
     "doctor",
 )  # in the order of the help

@@ -185,6 +185,18 @@ class Scheduler(Options):
 Cluster = Local | Slurm | Scheduler
 
 
+def cluster_of(scheduler: str | None, slurm: bool, jobs: int | None, otherwise: Cluster | None = None) -> Cluster:
+    """What the flags of a command name, else another one, else this machine; raises BadInput if they contradict."""
+    if scheduler is not None and slurm:
+        raise BadInput("scheduler and slurm are both given; it must be one of them")
+    cluster = otherwise or Local()
+    if scheduler is not None:
+        cluster = Scheduler(address=scheduler)
+    elif slurm and not isinstance(cluster, Slurm):
+        cluster = Slurm()
+    return cluster if jobs is None else cluster.with_jobs(jobs)
+
+
 def need_dask() -> None:
     """Refuse a machine without dask.distributed."""
     try:

@@ -26,7 +26,7 @@ from taichi_silo.errors import BadInput
 from taichi_silo.scene import fidelity as fidelities
 from taichi_silo.scene.dotted_paths import changed, known, whole
 from taichi_silo.scene.scene import Scene
-from taichi_silo.studies.sweep.clusters import Cluster, Local, Scheduler, Slurm
+from taichi_silo.studies.sweep.clusters import Cluster, Local, Scheduler, Slurm, cluster_of
 from taichi_silo.studies.sweep.hypercube import LatinHypercube, checked
 from taichi_silo.studies.sweep.table import Response
 from taichi_silo.studies.sweep.variations import SAND, Variation, bases, made, product, refuse, scenes, variation
@@ -158,14 +158,8 @@ def from_command_line(file: Path | None, files: list[Path], texts: list[str], fl
         raise BadInput(f"vary and scene are flags of a sweep without a file; {file} must say what varies")
     sweep = read(file) if file is not None else from_flags(files, texts)
     given = {name: flags[name] for name in ("fidelity", "film") if flags[name] is not None}
-    cluster, jobs = sweep.cluster, flags["jobs"]
-    if flags["scheduler"] is not None and flags["slurm"]:
-        raise BadInput("scheduler and slurm are both given; it must be one of them")
-    if flags["scheduler"] is not None:
-        cluster = Scheduler(address=flags["scheduler"])
-    elif flags["slurm"] and not isinstance(cluster, Slurm):
-        cluster = Slurm()
-    return sweep.model_copy(update={**given, "cluster": cluster if jobs is None else cluster.with_jobs(jobs)})
+    cluster = cluster_of(flags["scheduler"], flags["slurm"], flags["jobs"], sweep.cluster)
+    return sweep.model_copy(update={**given, "cluster": cluster})
 
 
 def _settings(tables: dict, before: str = "") -> dict:
