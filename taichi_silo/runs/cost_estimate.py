@@ -31,7 +31,7 @@ SHARPER = 0.12  # growth of the latter with each halving of the cells: shear zon
 SHARPNESS = (0.85, 1.17)  # where that growth begins and ends
 RESOLVED = 1.38  # factor of the latter where several points share a cell
 REHEARSED_S = 0.4  # of stepping
-FEWEST_INTERVALS = 5  # of a rehearsal
+FIRST_INTERVALS, FEWEST_INTERVALS = 3, 5  # of a rehearsal: those that compile and build lists, and those measured
 REHEARSED_SHARE = 0.03  # of a run's steps, at most, unless they are fewer than in those intervals
 START_S = 6.0  # of a process: Taichi's start and the compilation of the step
 
@@ -104,25 +104,31 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
     model.particles.load(_at_rest(model, points))
     speed = 0.0 if model.scene.flow.outflow == "gravity" else model.scene.flow.speed_m_per_s  # the gate stays shut
     rates: list[float] = []
-    end, done = time.monotonic() + seconds, 0
+    machine = model.scene.machine
+    # of one thread its own time, which other programs on the machine do not lengthen
+    clock = time.process_time if machine.arch == "cpu" and machine.threads == 1 else time.perf_counter
+    end, begun, done = 0.0, 0, 0
     with contextlib.suppress(RunFailed):  # a run that cannot go on will say so itself
         while len(rates) < FEWEST_INTERVALS or (time.monotonic() < end and done < most):
+            if begun == FIRST_INTERVALS:
+                end, done = time.monotonic() + seconds, 0
             sums = solver.point_sums()
             if sums.strays:
                 break
             step = model.scene.method.time_step(sums, STEP_SAFETY)
             count = max(1, math.ceil(model.interval / step - 1e-9))
-            started = time.perf_counter()
+            started = clock()
             gravity = model.gravity, model.gravity
-            solver.advance(count, model.interval / count, gravity, (-speed if rates else 0.0, -speed))
+            solver.advance(count, model.interval / count, gravity, (-speed if begun else 0.0, -speed))
             solver.impulses.read_and_reset()  # waits for the device
-            rates.append((time.perf_counter() - started) / count)
-            done += count
+            begun, done = begun + 1, done + count
+            if begun > FIRST_INTERVALS:
+                rates.append((clock() - started) / count)
     model.particles.load(points)
     model.grid.memory.fill(0.0)
     solver.surfaces.clear()
     solver.impulses.read_and_reset()
-    return float(np.median(rates)) if rates else math.nan  # the first builds lists; others get interrupted
+    return float(np.median(rates)) if rates else math.nan  # some get interrupted
 
 
 def _at_rest(model: Model, points: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

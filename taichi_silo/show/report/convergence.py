@@ -83,8 +83,8 @@ def _parts(numbers: pd.DataFrame) -> ReportTable:
             told = "" if order is None or order != order else f", order {order:.2g}"
             cells.append(f"{100.0 * share:.0f} %, {row[f'{part}_trust']}{told}" if share == share else NONE)
         rows.append((row["in_words"], *cells))
-    return ReportTable(("quantity", *PARTS.values()), tuple(rows),
-                       "Share of each part in the error: the root of the sum of their squares is the whole.")  # fmt: skip
+    note = "Share of each part in the error, which is the root of the sum of their squares."
+    return ReportTable(("quantity", *PARTS.values()), tuple(rows), note)
 
 
 def _runs(runs: pd.DataFrame) -> ReportTable:
@@ -93,6 +93,4 @@ def _runs(runs: pd.DataFrame) -> ReportTable:
          number(1e3 * row["speed_m_per_s"]), f"{row['points']:,}", number(row["core_seconds"]))
         for _, row in runs.iterrows()
     ]  # fmt: skip
-    return ReportTable(
-        ("step", "cells (mm)", "length (mm)", "speed (mm/s)", "points", "core-seconds"), tuple(rows)
-    )
+    return ReportTable(("step", "cells (mm)", "length (mm)", "speed (mm/s)", "points", "core-seconds"), tuple(rows))

@@ -103,7 +103,9 @@ def _of_length(lengths: list[float], effects: list[float], aim: float) -> Limit:
     different = [number for number, one in enumerate(lengths) if number == 0 or one < lengths[number - 1]]
     if aim >= lengths[0]:
         return Limit(effects[-1], 0.0, None, "exact")
-    return limit([lengths[number] for number in different][-LAST:], [effects[number] for number in different][-LAST:], aim)
+    return limit(
+        [lengths[number] for number in different][-LAST:], [effects[number] for number in different][-LAST:], aim
+    )
 
 
 def _finite(value: float) -> float:

@@ -22,8 +22,8 @@ WALLS = ("left", "right")
 WORDS = {
     "P": "force on the bottom", "T": "friction on a wall", "N": "normal force on a wall",
     "TN": "mobilised friction T/N", "filled": "after filling", "residual": "at the end", "least": "least in flow",
-    "largest": "largest in flow", "pressure": "wall normal stress", "zone_thickness": "thickness of the wall's shear zone",
-    "discharge_rate": "rate of discharge",
+    "largest": "largest in flow", "pressure": "wall normal stress",
+    "zone_thickness": "thickness of the wall's shear zone", "discharge_rate": "rate of discharge",
 }  # fmt: skip
 
 
@@ -50,8 +50,9 @@ def quantities(run: Result) -> dict[str, Quantity]:
         found[name] = Quantity(_number(value), "N/m", weight)
     for state in STATES:
         found |= _pressures(run, state)
-    zones = [summary.get("shear_zones", {}).get(wall, {}).get("thickness_m") for wall in WALLS]
-    found["zone_thickness"] = Quantity(float(np.mean([_number(one) for one in zones])), "m", math.nan)
+    zones = [_number(summary.get("shear_zones", {}).get(wall, {}).get("thickness_m")) for wall in WALLS]
+    if min(zones) > 0.0:
+        found["zone_thickness"] = Quantity(float(np.mean(zones)), "m", math.nan)
     if not run.scene.silo.floor_is_outlet:
         found["discharge_rate"] = Quantity(_number(discharge_rate_kg_per_s_m(run)), "kg/(s m)", math.nan)
     return {name: one for name, one in found.items() if math.isfinite(one.value)}

@@ -1,6 +1,7 @@
 """A study of convergence from its first run to its report: step by step, as far as the error or the time asks."""
 
 import json
+import math
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,6 +14,7 @@ from taichi_silo.scene.scene import Scene
 from taichi_silo.show.figures import draw_all
 from taichi_silo.show.figures.convergence import FIGURES
 from taichi_silo.show.report.convergence import with_error, write_page
+from taichi_silo.show.report.words import NONE
 from taichi_silo.studies.converge import table
 from taichi_silo.studies.converge.estimate import Number, estimate
 from taichi_silo.studies.converge.ladder import Ladder
@@ -115,11 +117,12 @@ class Study:
             return True
         if minutes > left:
             self.ended = (
-                f"The next step, cells of {1e3 * rung.cell_m:.4g} mm, takes about {minutes:.3g} min, and "
-                f"{max(left, 0.0):.3g} min are left; --budget {_time(minutes + spent_s / 60.0)} would do."
+                f"The next step, cells of {1e3 * rung.cell_m:.4g} mm, takes about {minutes:.2g} min, and "
+                f"{max(left, 0.0):.2g} min are left; the same command with --budget {_time(minutes)} goes on from here."
             )
             return False
-        self.console.say(f"{what}: {len(expected)} runs, about {minutes:.3g} min")
+        runs = "1 run" if len(expected) == 1 else f"{len(expected)} runs"
+        self.console.say(f"{what}: {runs}, about {minutes:.2g} min")
         return True
 
     def _climb(self, step: int) -> None:
@@ -164,7 +167,8 @@ class Study:
         """Tell a person what came out."""
         for name, number in self.numbers.items():
             value, unit = with_error(number.value, number.error, number.unit)
-            self.console.say(f"{name:24s} {value:>22s} {unit:5s} {100.0 * number.relative:7.2g} %  {words(name)}")
+            relative = f"{100.0 * number.relative:7.2g} %" if math.isfinite(number.relative) else f"{NONE:>9s}"
+            self.console.say(f"{name:24s} {value:>22s} {unit:5s} {relative}  {words(name)}")
         self.console.say(self.ended)
 
     @property

@@ -1,6 +1,7 @@
 """The runs of a sweep: which are there, what the others cost, and each in a process of its own."""
 
 import json
+import math
 import os
 import platform
 import statistics
@@ -113,18 +114,21 @@ class Run:
 
 
 def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
-    """What the missing runs will cost, at the pace of finished ones with the same formulas or of a rehearsal.
+    """What the missing runs will cost, at the pace of a finished one with the same formulas or of a rehearsal.
+
+    Of several finished ones it is that whose number of points is nearest: a step of few points costs more for each.
 
     Starts Taichi.
 
     Raises BadInput if a processor cannot be used, or the memory does not suffice.
     """
-    paces: dict[tuple, list[float]] = {}  # seconds of a point and step
+    paces: dict[tuple, list[tuple[int, float]]] = {}  # points, and seconds of a point and step
     found = {}
     for run in runs.values():
         cost = run.summary.get("cost", {}) if run.finished else {}
         if cost.get("steps"):
-            paces.setdefault(_formulas(run.scene), []).append(cost["seconds"] / (cost["points"] * cost["steps"]))
+            pace = cost["seconds"] / (cost["points"] * cost["steps"])
+            paces.setdefault(_formulas(run.scene), []).append((cost["points"], pace))
     for machine in {runs[name].scene.machine for name in missing}:
         machine.start()
     for name in sorted(missing, key=lambda name: runs[name].scene.points):
@@ -132,9 +136,16 @@ def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
         if _formulas(scene) not in paces:
             memory_need.check(scene)
             scene.machine.start()
-            paces[_formulas(scene)] = [rehearse(Simulation(scene)) / scene.points]
-        found[name] = at_pace(scene, statistics.median(paces[_formulas(scene)]))
+            paces[_formulas(scene)] = [(scene.points, rehearse(Simulation(scene)) / scene.points)]
+        found[name] = at_pace(scene, _nearest(paces[_formulas(scene)], scene.points))
     return found
+
+
+def _nearest(paces: list[tuple[int, float]], points: int) -> float:
+    """The median pace of the runs whose number of points is nearest."""
+    apart = [abs(math.log(max(one, 1) / points)) for one, _ in paces]
+    least = min(apart)
+    return statistics.median(pace for (_, pace), far in zip(paces, apart, strict=True) if far <= least + 1e-9)
 
 
 def _formulas(scene: Scene) -> tuple:

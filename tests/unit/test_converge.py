@@ -1,0 +1,133 @@
+"""The ladder of a scene, and its numbers with error bars."""
+
+import json
+import math
+
+import pytest
+
+from taichi_silo.errors import BadInput
+from taichi_silo.scene.dotted_paths import changed
+from taichi_silo.scene.scene import Machine, Scene
+from taichi_silo.studies.converge.estimate import estimate
+from taichi_silo.studies.converge.ladder import LEAST_FINER, MOST_FINER, Ladder
+from taichi_silo.studies.converge.plan import Plan, seconds, share
+from taichi_silo.studies.converge.quantities import Quantity, words
+
+SCENE = Scene(machine=Machine(threads=1))
+
+
+def ladder(**values):
+    return Ladder(changed(SCENE, {path.replace("__", "."): value for path, value in values.items()}))
+
+
+def test_the_cells_of_each_step_divide_the_scene_and_are_finer_by_a_ratio_that_shows_an_order():
+    one = ladder()
+    sizes = [one.cell(step) for step in range(6)]
+    for size in sizes:
+        assert 0.2 / size == pytest.approx(round(0.2 / size)) and 0.5 / size == pytest.approx(round(0.5 / size))
+    assert all(LEAST_FINER <= coarse / fine <= MOST_FINER for coarse, fine in zip(sizes, sizes[1:], strict=False))
+    assert sizes[0] == 0.02
+
+
+def test_an_outlet_has_cells_enough_on_the_coarsest_grid_and_its_edges_on_every_one():
+    one = ladder(silo__outlet__width_m=0.04)
+    for step in range(4):
+        assert 0.08 / one.cell(step) == pytest.approx(round(0.08 / one.cell(step)))
+    assert 0.04 / one.cell(0) >= 4.0 - 1e-9
+
+
+def test_sides_that_no_common_cell_divides_are_refused_in_a_sentence():
+    with pytest.raises(BadInput, match="no square cell"):
+        Ladder(SCENE.model_copy(update={"silo": SCENE.silo.model_copy(update={"height_m": 0.5 * math.sqrt(2.0)})}))
+
+
+def test_the_length_is_that_of_the_law_or_a_cell_whichever_is_longer():
+    one = ladder(averaging__characteristic_length_m=0.011)
+    assert [one.length(step) for step in range(3)] == pytest.approx([0.02, 0.0125, 0.011])
+
+
+def test_the_bottom_is_never_slower_than_the_scene_and_runs_faster_where_sand_still_follows_slowly():
+    assert ladder().speed_m_per_s == pytest.approx(0.008)
+    assert ladder().speeds == pytest.approx([0.032, 0.016, 0.008])
+    assert ladder(flow__speed_m_per_s=0.02).speeds == [0.02]
+
+
+def made_up(one, steps, cells=0.0, length=0.0, speed=0.0, truth=800.0):
+    """Results with known effects of each parameter."""
+    own, aim = one.scene.flow.speed_m_per_s, one.aim_m
+    found = {}
+    for step in range(steps):
+        for name, rung in one.step(step).items():
+            value = truth + cells * (rung.cell_m / 0.02) ** 2 + length * (rung.length_m - aim) / 0.02
+            value += speed * (rung.speed_m_per_s - own) / 0.008
+            found[name] = {"N_residual": Quantity(value, "N/m", 1600.0)}
+    return found
+
+
+@pytest.mark.parametrize(("effects", "decisive"), [
+    ({"cells": 80.0}, "grid"), ({"length": 80.0}, "length"), ({"speed": 40.0}, "speed"),
+    ({"cells": -50.0, "length": 200.0, "speed": 10.0}, "length"),
+])  # fmt: skip
+def test_each_numerical_parameter_is_extrapolated_by_itself(effects, decisive):
+    one = ladder()
+    number = estimate(one, 3, made_up(one, 3, **effects))["N_residual"]
+    assert number.value == pytest.approx(800.0, abs=0.5)
+    assert number.decisive == decisive
+    assert abs(number.value - 800.0) < number.error
+    assert number.relative == pytest.approx(number.error / 1600.0)
+
+
+def test_the_error_falls_with_each_step():
+    one = ladder()
+    errors = [estimate(one, steps, made_up(one, steps, cells=80.0, length=80.0))["N_residual"].error
+              for steps in (2, 3, 4)]  # fmt: skip
+    assert errors[0] > errors[1] > errors[2] > 0.0
+
+
+def test_one_step_gives_no_error_bar():
+    one = ladder()
+    number = estimate(one, 1, made_up(one, 1, cells=1.0))["N_residual"]
+    assert math.isnan(number.error) and number.as_json()["error"] is None
+
+
+def test_numbers_are_plain_json():
+    one = ladder()
+    number = estimate(one, 3, made_up(one, 3, cells=10.0))["N_residual"].as_json()
+    assert json.loads(json.dumps(number, allow_nan=False))["unit"] == "N/m"
+    assert number["order"] == pytest.approx(2.0, abs=0.05)
+
+
+def test_the_plan_reads_per_cents_and_times_as_people_write_them():
+    assert share("2%") == share("0.02") == share(0.02) == 0.02
+    assert seconds("20min") == seconds("1200s") == seconds(1200.0) == 1200.0
+    assert seconds("1.5h") == 5400.0
+
+
+@pytest.mark.parametrize("text", ["", "two", "2 percent", "%"])
+def test_an_error_that_is_no_number_is_refused(text):
+    with pytest.raises(BadInput, match="must be an error such as 2%"):
+        share(text)
+
+
+@pytest.mark.parametrize("text", ["", "soon", "3 weeks", "min"])
+def test_a_time_that_is_none_is_refused(text):
+    with pytest.raises(BadInput, match="must be a time such as 20min"):
+        seconds(text)
+
+
+def test_a_number_that_no_run_has_is_refused_with_the_one_that_was_meant():
+    one = ladder()
+    numbers = estimate(one, 3, made_up(one, 3, cells=10.0))
+    with pytest.raises(BadInput, match="did you mean N_residual"):
+        Plan(of=("N_residal",)).asked(numbers)
+
+
+def test_the_worst_of_the_numbers_asked_for_decides():
+    one = ladder()
+    numbers = estimate(one, 3, made_up(one, 3, cells=10.0))
+    assert Plan().worst(numbers)[0] == "N_residual"
+
+
+def test_quantities_have_words():
+    assert words("N_residual") == "normal force on a wall, at the end"
+    assert words("pressure_filled_0.5") == "wall normal stress at 50 % of the height, after filling"
