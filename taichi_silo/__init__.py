@@ -30,6 +30,7 @@ HOME = {  # of the public names; each is imported when it is first used, which k
     "scene.scene": ("Averaging", "Filling", "Flow", "Machine", "Mesh", "Method", "Output", "Scene", "Walls"),
     "scene.sand": ("IntergranularStrain", "Sand"),
     "simulation.simulation": ("Simulation",),
+    "studies.converge.study": ("converge",),
     "scene.silo": ("Hopper", "Insert", "Outlet", "Silo"),
 }
 _MODULES = {name: module for module, names in HOME.items() for name in names}

@@ -64,7 +64,8 @@ def test_the_band_holds_the_limit_in_ninety_five_of_a_hundred_noisy_series():
         h = 0.02 / 1.6 ** np.arange(count)
         first, second = chance.normal(size=2)
         order, noise = chance.choice([1.0, 1.5, 2.0]), 10.0 ** chance.uniform(-5.0, -1.0)
-        f = 1.0 + first * (h / 0.02) ** order + 0.3 * second * (h / 0.02) ** (order + 1.0) + noise * chance.normal(size=count)
+        f = 1.0 + first * (h / 0.02) ** order + 0.3 * second * (h / 0.02) ** (order + 1.0)
+        f += noise * chance.normal(size=count)
         found = limit(h, f)
         held += abs(found.value - 1.0) <= found.error
     assert held >= 380

@@ -22,6 +22,7 @@ def converge(
         ),
     ] = None,
     budget: Annotated[str, typer.Option(metavar="TIME", help="time by the clock: 20min, 1.5h, 90s")] = "20min",
+    steps: Annotated[int, typer.Option(help="of the ladder, at most: 1 to 8")] = 8,
     jobs: Annotated[
         int | None, typer.Option(help="runs at a time, one core each; all cores of this machine if not given", min=1)
     ] = None,
@@ -53,7 +54,7 @@ def converge(
     from taichi_silo.studies.sweep.clusters import cluster_of
 
     console = Console(quiet, json)
-    plan = Plan(share(to), tuple(of or HEADLINE), seconds(budget))
+    plan = Plan(share(to), tuple(of or HEADLINE), seconds(budget), steps)
     cluster = cluster_of(scheduler, slurm, jobs)
     folder = output or Path("outputs") / f"converge-{named(file)}"
     study = Study(read_scene(file, threads=1), folder, plan, console, cluster)

@@ -12,21 +12,25 @@ from taichi_silo.utils.messages import near, shown
 HEADLINE = tuple(f"{force}_{state}" for state in STATES for force in FORCES)
 SECONDS = {"s": 1.0, "sec": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0, "hours": 3600.0, "d": 86400.0}
 LEAST, MOST = 1e-4, 1.0  # error that can be asked for
+MOST_STEPS = 8  # of a ladder
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The error asked for, over the measure of each number; the numbers it is asked of; and the time by the clock."""
+    """The error asked for, over the measure of each number; the numbers it is asked of; time by the clock; steps."""
 
     error: float = 0.02
     of: tuple[str, ...] = HEADLINE
     budget_s: float = 1200.0
+    steps: int = MOST_STEPS
 
     def __post_init__(self):
         if not LEAST <= self.error <= MOST:
             raise BadInput(f"to is {shown(self.error)}; it must be between {LEAST:.2%} and {MOST:.0%}, such as 2%")
         if not self.budget_s > 0.0:
             raise BadInput(f"budget is {shown(self.budget_s)} s; it must be more, such as 20min")
+        if not 1 <= self.steps <= MOST_STEPS:
+            raise BadInput(f"steps is {shown(self.steps)}; it must be between 1 and {MOST_STEPS}")
 
     def asked(self, numbers: Mapping[str, Number]) -> dict[str, Number]:
         """The numbers that the error is asked of.

@@ -2,14 +2,17 @@
 
 import json
 import math
+import os
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from taichi_silo.api import checked
 from taichi_silo.errors import BadInput, RunFailed
 from taichi_silo.runs.cost_estimate import START_S, Cost
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import no_link, own, writable
+from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.scene.scene import Scene
 from taichi_silo.show.figures import draw_all
 from taichi_silo.show.figures.convergence import FIGURES
@@ -18,9 +21,9 @@ from taichi_silo.show.report.words import NONE
 from taichi_silo.studies.converge import table
 from taichi_silo.studies.converge.estimate import Number, estimate
 from taichi_silo.studies.converge.ladder import Ladder
-from taichi_silo.studies.converge.plan import Plan
+from taichi_silo.studies.converge.plan import HEADLINE, MOST_STEPS, Plan, seconds, share
 from taichi_silo.studies.converge.quantities import Quantity, quantities, words
-from taichi_silo.studies.sweep.clusters import Cluster, Local
+from taichi_silo.studies.sweep.clusters import Cluster, Local, cluster_of
 from taichi_silo.studies.sweep.runs import Run, costs, simulate
 from taichi_silo.utils import atomic_write
 from taichi_silo.utils.bounded_reading import place
@@ -28,7 +31,6 @@ from taichi_silo.utils.console import Console
 from taichi_silo.utils.file_lock import alone
 
 FEWEST_STEPS = 3  # that show an order
-MOST_STEPS = 8
 DEARER = 4.5  # ratio of the costs of a step and the one before, where those of its runs are not yet known
 RETRIES = 3  # of a run whose process crashed
 FOUND, TABLE, RUNS = "converge.json", "converge.csv", "runs.csv"
@@ -94,14 +96,14 @@ class Study:
         writable(self.folder)
         began = time.monotonic()
         with alone(self.folder / LOCK, 0.0, f"output {self.folder} is in use by another study"):
-            for step in range(MOST_STEPS):
+            for step in range(self.plan.steps):
                 if not self._afford(step, time.monotonic() - began):
                     break
                 self._climb(step)
                 if self._good_enough():
                     break
             else:
-                self.ended = f"The ladder ends after {MOST_STEPS} steps."
+                self.ended = f"The ladder was to end after {self.plan.steps} steps."
             self._leave()
 
     def _afford(self, step: int, spent_s: float) -> bool:
@@ -200,3 +202,50 @@ class Study:
 def _time(minutes: float) -> str:
     """A time as `plan.seconds` reads it, rounded up."""
     return f"{int(minutes) + 1}min" if minutes < 120.0 else f"{int(minutes / 6.0 + 1.0) / 10.0:g}h"
+
+
+def converge(
+    scene: Scene | dict,
+    folder: str | os.PathLike,
+    *,
+    to: float | str = 0.02,
+    of: tuple[str, ...] = HEADLINE,
+    budget: float | str = "20min",
+    steps: int = MOST_STEPS,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    slurm: bool = False,
+    progress: bool = True,
+) -> Study:
+    """Compute a scene on finer and finer cells until its numbers are sure enough, and give each with an error bar.
+
+    Parameters
+    ----------
+    scene : what to simulate, or its tables as a scene file has them.
+    folder : where to leave the runs, the tables, the figures and the report; what is there is kept.
+    to : error asked for, 0.02 or "2%": of forces over the weight of the sand, of all else over itself.
+    of : the numbers that it is asked of, as `numbers` names them.
+    budget : time by the clock, in seconds or as "20min".
+    steps : of the ladder, at most.
+    jobs, scheduler, slurm : where the runs are done, as in a sweep; all cores of this machine if not given.
+    progress : say what each step will cost, and how far it is.
+
+    Returns
+    -------
+    The study: `numbers` by name (`value`, `error`, `unit`, `relative`, `order`), `met`, and why it `ended`.
+
+    Raises
+    ------
+    BadInput
+        before any work, if the scene has no ladder, or the folder cannot be used.
+    RunFailed
+        if a run failed; the folder then holds everything up to that time.
+
+    """
+    scene = changed(checked(scene), {"machine.threads": 1})
+    cluster = cluster_of(scheduler, slurm, jobs)
+    cluster.check()
+    plan = Plan(share(to), tuple(of), seconds(budget), steps)
+    study = Study(scene, place(folder, "folder"), plan, Console(quiet=not progress), cluster)
+    study.run()
+    return study
