@@ -2,16 +2,24 @@
 
 import json
 import math
+import re
+import subprocess
+import sys
 
+import pandas as pd
 import pytest
+import tomli_w
 
 from taichi_silo.errors import BadInput
+from taichi_silo.runs.cost_estimate import Cost
 from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.scene.scene import Machine, Scene
 from taichi_silo.studies.converge.estimate import estimate
 from taichi_silo.studies.converge.ladder import LEAST_FINER, MOST_FINER, Ladder
 from taichi_silo.studies.converge.plan import Plan, seconds, share
 from taichi_silo.studies.converge.quantities import Quantity, words
+from taichi_silo.studies.converge.study import Study
+from tests.smallest import TABLES
 
 SCENE = Scene(machine=Machine(threads=1))
 
@@ -131,3 +139,68 @@ def test_the_worst_of_the_numbers_asked_for_decides():
 def test_quantities_have_words():
     assert words("N_residual") == "normal force on a wall, at the end"
     assert words("pressure_filled_0.5") == "wall normal stress at 50 % of the height, after filling"
+
+
+@pytest.fixture(scope="module")
+def studied(tmp_path_factory):
+    """Two steps of the smallest silo, asked for by the command."""
+    folder = tmp_path_factory.mktemp("converge")
+    scene = TABLES | {"flow": {"speed_m_per_s": 0.04, "displacement_m": 0.002}}
+    (folder / "silo.toml").write_text(tomli_w.dumps(scene))
+    words = [str(folder / "silo.toml"), "--steps", "2", "--output", str(folder / "out"), "--json", "--jobs", "1"]
+    return folder / "out", command("converge", *words)
+
+
+def command(*words):
+    done = subprocess.run([sys.executable, "-m", "taichi_silo.cli.app", *words], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+def test_the_command_gives_each_number_as_value_error_unit_and_order(studied):
+    folder, done = studied
+    found = json.loads(done.stdout)
+    assert found["steps"] == 2 and not found["met"] and "after 2 steps" in found["ended"]
+    number = found["quantities"]["N_filled"]
+    assert number["unit"] == "N/m" and number["error"] > 0.0 and "order" in number
+    assert found == json.loads((folder / "converge.json").read_text())
+
+
+def test_the_weight_of_the_sand_is_carried_by_bottom_and_walls_in_the_limit_too(studied):
+    found = json.loads((studied[0] / "converge.json").read_text())["quantities"]
+    P, T = (found[f"{name}_filled"] for name in "PT")
+    summary = json.loads(next(studied[0].glob("cell-*/summary.json")).read_text())
+    assert P["value"] + 2.0 * T["value"] == pytest.approx(summary["weight_N_per_m"], rel=1e-3)
+
+
+def test_it_leaves_tables_figures_and_a_report(studied):
+    names = ["converge.csv", "runs.csv", "report.html", "figures/convergence.png", "figures/cost.png"]
+    assert all((studied[0] / name).stat().st_size > 500 for name in names)
+    runs = pd.read_csv(studied[0] / "runs.csv")
+    assert set(runs["step"]) == {1, 2} and runs["main"].sum() == 2
+
+
+def test_the_cost_of_each_step_is_told_before_it(studied):
+    assert "step 1: cells of 20 mm, 10 across: 1 run, about" in studied[1].stderr
+
+
+def test_what_is_there_is_kept(studied):
+    folder, _ = studied
+    before = {file: file.stat().st_mtime for file in folder.glob("cell-*/forces.csv")}
+    again = command("converge", str(folder.parent / "silo.toml"), "--steps", "2", "--output", str(folder))
+    assert "step 2: cells of 12.5 mm, 16 across: there already" in again.stdout
+    assert {file: file.stat().st_mtime for file in folder.glob("cell-*/forces.csv")} == before
+
+
+def test_a_folder_that_holds_other_runs_is_refused(studied, tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "run.toml").write_text("")
+    with pytest.raises(BadInput, match="holds other runs, such as mine"):
+        Study(SCENE, tmp_path)
+
+
+def test_no_time_for_a_step_is_said_with_the_budget_that_would_do(tmp_path, monkeypatch):
+    study = Study(SCENE, tmp_path, Plan(budget_s=1.0))
+    monkeypatch.setattr(Study, "costs", lambda *_: {"one": Cost(1000, 1000, 300.0)})
+    study.run()
+    assert not study.numbers and re.search(r"takes about 5.1 min, .* --budget 6min goes on", study.ended)
