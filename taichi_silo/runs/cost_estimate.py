@@ -67,7 +67,7 @@ def steps(scene: Scene) -> int:
     whole = filling.duration(scene, period)
     rows = math.ceil(whole / interval)
     loaded = FILLED[scene.walls.kind] * c
-    growing = [loaded * ((row + 1) / rows) ** (0.5 * law.degree) for row in range(1, rows)]
+    growing = [loaded * filling.grown((row + 1) / rows) ** (0.5 * law.degree) for row in range(1, rows)]
     unstressed = wave_speed(
         law, (-law.rest_stress, -2.0 * law.rest_stress, -law.rest_stress, 0.0), scene.sand.void_ratio
     )

@@ -1,0 +1,32 @@
+"""Sand that is filled in by its growing weight is loaded steadily, so that it ends where the law alone brings it."""
+
+import pytest
+
+from taichi_silo import Averaging, Flow, Machine, Mesh, Method, Scene, Walls, named_sand, run
+from taichi_silo.simulation.filling import grown
+from validation.error_bars import compressed
+
+
+def filled(folder, void_ratio: float, seconds: float = 0.5):
+    """Numbers after filling between frictionless walls, over the weight."""
+    scene = Scene(
+        sand=named_sand("karlsruhe", void_ratio), walls=Walls(kind="smooth", friction_angle_deg=0.0),
+        grid=Mesh(cell_size_m=0.02), averaging=Averaging(characteristic_length_m=0.0),
+        flow=Flow(speed_m_per_s=0.02, displacement_m=1e-4), method=Method(filling_time_s=seconds),
+        machine=Machine(threads=1),
+    )  # fmt: skip
+    found = run(scene, folder, film=False, progress=False).summary["filling"]
+    return found["normal_N_per_m"], found["bottom_N_per_m"], compressed(scene)
+
+
+@pytest.mark.parametrize("void_ratio", [0.60, 0.90])
+def test_a_frictionless_wall_bears_what_compression_without_lateral_strain_makes(void_ratio, tmp_path):
+    normal, bottom, truth = filled(tmp_path / "run", void_ratio)
+    assert normal == pytest.approx(truth["N_filled"], rel=1.5e-3)  # 1.8 % above with a ramp that has kinks
+    assert bottom == pytest.approx(truth["P_filled"], rel=1e-4)
+
+
+def test_the_weight_and_its_rate_grow_without_a_jump():
+    assert grown(0.0) == 0.0 and grown(1.0) == 1.0 and grown(0.5) == pytest.approx(0.5)
+    for end, into in ((0.0, 1e-4), (1.0, -1e-4)):
+        assert abs(grown(end + into) - grown(end)) < 1e-10
