@@ -18,6 +18,7 @@ COMMANDS = (
     "gallery",
     "sweep",
     "drawing",
+    "eurocode",
     "doctor",
 )  # in the order of the help
 

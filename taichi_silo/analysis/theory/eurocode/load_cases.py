@@ -54,9 +54,7 @@ def load_cases(silo: EurocodeSilo, wall_thickness_m: float | None = None) -> lis
     return found
 
 
-def _symmetrical(
-    silo: EurocodeSilo, state: str, extreme: str, more: tuple[float, float] | None = None
-) -> LoadCase:
+def _symmetrical(silo: EurocodeSilo, state: str, extreme: str, more: tuple[float, float] | None = None) -> LoadCase:
     """A state of the whole girth; with its uniform increase, if given."""
     h, w = silo.discharge_factors if state == "discharge" else (1.0, 1.0)
     h, w = (h, w) if more is None else (h * more[0], w * more[1])
@@ -90,7 +88,7 @@ def _patch(silo: EurocodeSilo, patch: PatchLoad) -> LoadCase:
 
 def _channel(channel: FlowChannel, extreme: str) -> LoadCase:
     load, theta = EXTREMES[extreme], channel.contact_deg
-    share = "" if channel.radius_share is None else f"_{channel.radius_share:g}r"
+    share = "" if channel.radius_share is None else f"_{100.0 * channel.radius_share:.0f}"  # per cent of r
     turns = (theta, 2.0 * theta, 360.0 - 2.0 * theta, 360.0 - theta)
     return LoadCase(
         f"channel{share}_{extreme}", channel.clause,

@@ -1,0 +1,76 @@
+"""Wall loads as a step of Abaqus includes them: `*DSLOAD` on surfaces by height, and by angle where they differ.
+
+Write `*INCLUDE, INPUT=CASE.inp` within a step. The model needs the surfaces that `surfaces.csv` lists, each the inner
+face of the shell between two heights and two angles, in the coordinates of `wall_loads`: a case that is the same all
+round has WALL_B01, WALL_B02, ... from the foot, another one WALL_B01_S01, ... with sectors too; a hopper HOPPER_B01.
+`P` is a pressure into the face, so outward on a wall; `TRSHR` a traction along the face, of which the direction
+0, 0, -1 is projected onto it. Units are N and m. The value of a band is the mean over its area, so the resultant is
+that of the field, but for the turning of the pressure within a sector: of a patch p cos(theta) 0.6 % of its force are
+lost. Nothing here was read by Abaqus itself.
+"""
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from taichi_silo.show.export.wall_loads import WallLoad
+
+BANDS, SECTORS, SAMPLES, SAME = 20, 24, 64, 1e-9
+
+
+def edges(low: float, high: float, count: int, more: tuple[float, ...]) -> np.ndarray:
+    """Equal parts of a range, cut at further places too."""
+    even = np.linspace(low, high, count + 1)
+    found = np.sort(np.concatenate([even, [one for one in more if low < one < high]]))
+    return found[np.insert(np.diff(found) > SAME * (high - low), 0, True)]
+
+
+def bands(load: "WallLoad") -> list[dict]:
+    """Surface, heights, angles, and mean pressure and friction of each band, from the foot upwards."""
+    heights = edges(0.0, load.height_m, BANDS, load.cuts_m)
+    sectors = [(0.0, 360.0)]
+    if not load.symmetrical:
+        sectors = [(-90.0, 90.0), (90.0, 270.0)] if load.section == "plane" else list(
+            pairwise(edges(0.0, 360.0, SECTORS, load.turns_deg))
+        )  # fmt: skip
+    share = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    found = []
+    for number, (low, high) in enumerate(pairwise(heights), 1):
+        z = low + share * (high - low)
+        width = load.width_m(z)  # the girth of a hopper's band grows upwards
+        weight = width / width.sum() if load.section == "round" else np.full(SAMPLES, 1.0 / SAMPLES)
+        for turn, (start, end) in enumerate(sectors, 1):
+            middle = [0.5 * (start + end)] if load.symmetrical or load.section == "plane" else [
+                start + part * (end - start) for part in share[:: SAMPLES // 8]
+            ]  # fmt: skip
+            name = f"{load.wall.upper()}_B{number:02d}" + ("" if load.symmetrical else f"_S{turn:02d}")
+            normal, shear = (
+                float(np.mean([weight @ field(z, angle % 360.0) for angle in middle]))
+                for field in (load.normal_Pa, load.shear_Pa)
+            )
+            found.append({
+                "surface": name, "from_height_m": low, "to_height_m": high, "from_angle_deg": start,
+                "to_angle_deg": end, "normal_Pa": normal, "shear_Pa": shear,
+            })  # fmt: skip
+    return found
+
+
+def include_file(load: "WallLoad", about: str) -> tuple[str, list[dict]]:
+    """Text of a load's include file, and its surfaces."""
+    found = bands(load)
+    lines = [
+        f"** {about}: {load.case}, {load.about}", "** units N, m, Pa; z upwards from the foot of the wall",
+        "** P: pressure into the inner face; TRSHR: friction of the solid on the wall, downwards", "*DSLOAD",
+    ]  # fmt: skip
+    for one in found:
+        place = f"z {one['from_height_m']:.6g} to {one['to_height_m']:.6g}"
+        if not load.symmetrical:
+            place += f", {one['from_angle_deg']:.6g} to {one['to_angle_deg']:.6g} deg"
+        lines += [
+            f"** {place}", f"{one['surface']}, P, {one['normal_Pa']:.8g}",
+            f"{one['surface']}, TRSHR, {one['shear_Pa']:.8g}, 0., 0., -1.",
+        ]  # fmt: skip
+    surfaces = [{key: value for key, value in one.items() if not key.endswith("_Pa")} for one in found]
+    return "\n".join(lines) + "\n", [{"case": load.case, **one} for one in surfaces]
