@@ -32,7 +32,7 @@ def critical_simple_shear_angle_deg(critical_friction_angle_deg: float) -> float
 
 
 def eurocode_of(scene: Scene | Design) -> EurocodeSilo | None:
-    """The vertical walls of a scene's silo after EN 1991-4, with the solid of its table `eurocode`; None without such."""
+    """The vertical walls of a scene's silo after EN 1991-4, with the solid that it names; None without such walls."""
     return scene.eurocode.silo(scene.silo, scene.walls.kind != "smooth")
 
 
@@ -43,8 +43,8 @@ def whose_numbers(scene: Scene | Design) -> str:
     own = sand.grain_density_kg_per_m3 / (1.0 + sand.void_ratio) * scene.method.gravity_m_per_s2 / 1e3
     return (
         f"EN 1991-4's numbers are those of its solid {solid.title} ({low:g} to {high:g} kN/m³, internal friction "
-        f"{solid.internal_friction_angle_deg:g}°); the simulated sand is another one: {sand.name} ({own:.3g} kN/m³ at a "
-        f"void ratio of {sand.void_ratio:g}, critical friction angle {sand.critical_friction_angle_deg:g}°)."
+        f"{solid.internal_friction_angle_deg:g}°); the simulated sand is another one: {sand.name} ({own:.3g} kN/m³ "
+        f"at a void ratio of {sand.void_ratio:g}, critical friction angle {sand.critical_friction_angle_deg:g}°)."
     )
 
 

@@ -28,7 +28,7 @@ def eurocode(
 
     The table [eurocode] of the scene names the stored solid, the wall and the class; `taichi-silo scene` prints it.
 
-    Examples:
+    The numbers are characteristic values, without partial factors. Examples:
 
     taichi-silo eurocode silo.toml
 

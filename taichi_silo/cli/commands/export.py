@@ -26,7 +26,7 @@ def command(
     quiet: QuietFlag = False,
     json: JsonFlag = False,
 ) -> None:
-    """Write all states of a run, and the fields that follow from them, or the pressures on its walls, for other programs.
+    """Write all states of a run with the fields that follow from them, or its wall pressures, for other programs.
 
     Lengths are in m, times in s; other units are in the names. Examples:
 

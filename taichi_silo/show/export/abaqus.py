@@ -17,7 +17,8 @@ import numpy as np
 if TYPE_CHECKING:
     from taichi_silo.show.export.wall_loads import WallLoad
 
-BANDS, SECTORS, SAMPLES, SAME = 20, 24, 64, 1e-9
+BANDS, SECTORS, SAME = 20, 24, 1e-9
+SAMPLES, TURNS = 64, 8  # of a band's mean: heights, angles
 
 
 def edges(low: float, high: float, count: int, more: tuple[float, ...]) -> np.ndarray:
@@ -42,12 +43,11 @@ def bands(load: "WallLoad") -> list[dict]:
         width = load.width_m(z)  # the girth of a hopper's band grows upwards
         weight = width / width.sum() if load.section == "round" else np.full(SAMPLES, 1.0 / SAMPLES)
         for turn, (start, end) in enumerate(sectors, 1):
-            middle = [0.5 * (start + end)] if load.symmetrical or load.section == "plane" else [
-                start + part * (end - start) for part in share[:: SAMPLES // 8]
-            ]  # fmt: skip
+            one_angle = load.symmetrical or load.section == "plane"
+            parts = np.array([0.5]) if one_angle else (np.arange(TURNS) + 0.5) / TURNS
             name = f"{load.wall.upper()}_B{number:02d}" + ("" if load.symmetrical else f"_S{turn:02d}")
             normal, shear = (
-                float(np.mean([weight @ field(z, angle % 360.0) for angle in middle]))
+                float(np.mean([weight @ field(z, float(angle) % 360.0) for angle in start + parts * (end - start)]))
                 for field in (load.normal_Pa, load.shear_Pa)
             )
             found.append({

@@ -1,9 +1,9 @@
 """Pressures on walls for shell programs: of EN 1991-4's load cases, or of a run's three states.
 
 A load is a field of pressure and friction over height and angle. All lengths are in m, stresses in Pa. z is the height
-above the foot of the vertical walls (of a hopper: above its outlet), upwards. The angle runs round the axis from the x axis, which
-points to the outlet's side, or to the right wall of a plane silo: 0 is the right wall, 180 the left one. Pressure is
-outward positive, on the inner face; friction is downward positive, the traction of the solid on the wall.
+above the foot of the vertical walls (of a hopper: above its outlet), upwards. The angle runs round the axis from the x
+axis, which points to the outlet's side, or to the right wall of a plane silo: 0 is the right wall, 180 the left one.
+Pressure is outward positive, on the inner face; friction is downward positive, the traction of the solid on the wall.
 """
 
 import shutil
@@ -16,6 +16,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from taichi_silo.analysis.theory.eurocode.load_cases import LoadCase
+from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
+from taichi_silo.analysis.theory.walker import WalkerHopper
 from taichi_silo.runs.result import Result
 from taichi_silo.show.export import abaqus
 from taichi_silo.show.report.eurocode import EurocodeReport
@@ -89,17 +91,23 @@ def of_code(report: EurocodeReport) -> list[WallLoad]:
 
     found += [turned(one) for one in report.cases]
     if report.hopper_rows and report.bottom is not None:
-        for state in ("filling", "discharge"):
-            hopper = report.bottom.hopper(state)
-            assert hopper is not None, "there are rows of it"
-            low, high = hopper.outlet_height_m, hopper.transition_height_m
-            found.append(WallLoad(
-                f"hopper_{state}", "clause 6.3, 6.4", "hopper",
-                lambda z, _, one=hopper, low=low: one.normal_stress_Pa(low + np.asarray(z)),
-                lambda z, _, one=hopper, low=low: one.shear_stress_Pa(low + np.asarray(z)),
-                high - low, hopper.outlet_m, hopper.width_m, silo.section, silo.length_m,
-            ))  # fmt: skip
+        hoppers = {state: report.bottom.hopper(state) for state in ("filling", "discharge")}
+        found += [_hopper(f"hopper_{state}", one, silo) for state, one in hoppers.items() if one is not None]
     return found
+
+
+def _hopper(case: str, hopper: WalkerHopper, silo: EurocodeSilo) -> WallLoad:
+    """The load on a hopper's wall."""
+    low, high = hopper.outlet_height_m, hopper.transition_height_m
+
+    def above_apex(z: NDArray) -> NDArray:
+        return np.clip(low + np.asarray(z), low, high)
+
+    return WallLoad(
+        case, "clauses 6.3, 6.4", "hopper",
+        lambda z, _: hopper.normal_stress_Pa(above_apex(z)), lambda z, _: hopper.shear_stress_Pa(above_apex(z)),
+        high - low, hopper.outlet_m, hopper.width_m, silo.section, silo.length_m,
+    )  # fmt: skip
 
 
 def _down(height_m: float, z: NDArray) -> NDArray:
@@ -157,8 +165,8 @@ def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) ->
 def write_loads(loads: list[WallLoad], target: Path, about: str) -> None:
     """Write loads into a folder, which is there when all are complete, or not at all; an earlier one is replaced.
 
-    `wall_pressures.csv`: all points of all cases. `points_CASE.txt`: X, Y, Z, pressure and friction of one case, for mapped
-    fields. `CASE.inp` and `surfaces.csv`: see `abaqus`.
+    `wall_pressures.csv`: all points of all cases. `points_CASE.txt`: X, Y, Z, pressure P and friction T of one case,
+    for mapped fields. `CASE.inp` and `surfaces.csv`: see `abaqus`.
     """
     passing = target.absolute().with_name(f"{target.name}.part")
     shutil.rmtree(passing, ignore_errors=True)

@@ -39,10 +39,10 @@ def eurocode_figure(report: EurocodeReport) -> Figure:
             panel.plot(fine[column] / 1e3, fine["depth_m"], color=color, linestyle=line, label=label)
         for patch in report.patches if title.startswith("pressure") else ():
             low, high = (patch.depth_m + side * 0.5 * patch.height_m for side in (-1, 1))
-            panel.axhspan(low, high, color=BLUE, alpha=0.06, linewidth=0)
+            panel.axhspan(low, high, color=BLUE, alpha=0.05, linewidth=0)
         panel.set_xlabel(title)
-        panel.legend(loc="lower left" if title.startswith("friction") else "best")
-    start_at_zero(panels[:1], "x")
+        start_at_zero([panel], "x")
+        panel.legend(loc="upper right")
     panels[0].set_ylabel("depth below the levelled surface (m)")
     panels[0].set_ylim(report.silo.height_m, 0.0)
     silo = report.silo

@@ -8,8 +8,8 @@ import pandas as pd
 from taichi_silo.analysis.theory.eurocode.bottoms import Bottom
 from taichi_silo.analysis.theory.eurocode.flow_channel import FlowChannel, channels
 from taichi_silo.analysis.theory.eurocode.flow_pattern import flow_pattern
-from taichi_silo.analysis.theory.eurocode.load_cases import STATES, LoadCase, depth_table
-from taichi_silo.analysis.theory.eurocode.patch_loads import PatchLoad, kinds, patch_load, uniform_increase
+from taichi_silo.analysis.theory.eurocode.load_cases import LoadCase, depth_table
+from taichi_silo.analysis.theory.eurocode.patch_loads import STATES, PatchLoad, patch_loads, uniform_increase
 from taichi_silo.analysis.theory.eurocode.solids import TABLE_3_1
 from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
 from taichi_silo.runs.theories import eurocode_of, whose_numbers
@@ -63,9 +63,7 @@ class EurocodeReport:
     @property
     def patches(self) -> list[PatchLoad]:
         """Patch loads after filling and on discharge."""
-        thick = self.scene.eurocode.wall_thickness_m
-        found = [patch_load(self.silo, state, kind) for state in STATES for kind in kinds(self.silo, thick)]
-        return [one for one in found if one is not None]
+        return patch_loads(self.silo, self.scene.eurocode.wall_thickness_m)
 
     @property
     def channels(self) -> list[FlowChannel]:

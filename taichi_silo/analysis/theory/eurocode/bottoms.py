@@ -1,7 +1,7 @@
 """Pressures on the bottom of a silo after EN 1991-4:2006, section 6: floors, and hoppers, which are Walker's.
 
-The vertical pressure at the transition is p_vft = C_b p_vf (6.2), with p_vf for the largest load on a bottom. C_b is 1 in
-action assessment classes 2 and 3 and 1.3 in class 1, where means are used; 1.2 and 1.6 of a solid that tends to
+The vertical pressure at the transition is p_vft = C_b p_vf (6.2), with p_vf for the largest load on a bottom. C_b is 1
+in action assessment classes 2 and 3 and 1.3 in class 1, where means are used; 1.2 and 1.6 of a solid that tends to
 dynamic behaviour (6.1.2). By the inclination of the bottom (6.1.1) it is
 
     flat:     within 5 degrees of the horizontal
@@ -9,15 +9,15 @@ dynamic behaviour (6.1.2). By the inclination of the bottom (6.1.1) it is
     shallow:  every other, with mu_heff = (1 - K) / (2 tan(beta)) (6.26), and on discharge as after filling (6.4.3)
 
 K and mu_h are lower characteristic values in both: they maximise the normal pressure on a hopper, which 6.1.1 and 6.4
-are about, and only the same pair in both makes mu_heff go over into mu_h at the limit. The hopper's formulas
-are those of `walker`: filling with the lower mu_h, discharge with the lower mu_h and the upper phi_i (table 3.1).
+are about, and only the same pair in both makes mu_heff go over into mu_h at the limit. The hopper's formulas are those
+of `walker`: filling with the lower mu_h, discharge with the lower mu_h and the upper phi_i (table 3.1).
 
 A floor carries p_vft in a slender silo (6.2.1); in a squat or intermediate one (6.2.2), over its middle,
 
     p_vsq = p_vft + (gamma h_tp - p_vf(h0)) (2 - h_c/d_c) / (2 - h_tp/d_c),   h_tp = d_c tan(phi_r) / 2
 
 where h_tp is the height of the heap on the fill; so it goes over into p_vft at h_c/d_c = 2. Not confirmed against the
-print: C_b of dynamic solids, 6.2.2; of retaining silos, for which no formula was found, the fill's weight plus the heap's.
+print: C_b of dynamic solids, 6.2.2; and that the fill's weight plus the heap's rests on a retaining silo's floor.
 """
 
 import math

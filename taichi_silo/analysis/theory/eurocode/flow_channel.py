@@ -11,8 +11,8 @@ there are three of them, G = 0.25, 0.4, 0.6, with the lower mu of the wall and t
     far from it:        p_hse = p_hf
     theta_c to 2 theta_c: p_hae = 2 p_hse - p_hce, and p_w = mu p_h everywhere
 
-In class 2 there is one, theta_c = 35 degrees, with nothing inside and 2 p_hf beside it; not confirmed against the print.
-The column in the channel is in vertical equilibrium with the friction on wall and static solid.
+In class 2 there is one, theta_c = 35 degrees, with nothing inside and 2 p_hf beside it; not confirmed in print. The
+column in the channel is in vertical equilibrium with the friction on wall and static solid.
 """
 
 import math

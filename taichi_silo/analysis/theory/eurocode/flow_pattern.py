@@ -32,7 +32,7 @@ def largest_half_angle_deg(section: str, wall_friction: float, internal_friction
 
 
 def flow_pattern(bottom: Bottom) -> str:
-    """ "mass flow", "funnel flow" or "mass or funnel flow"."""
+    """Say what flow a bottom has: "mass flow", "funnel flow" or "mass or funnel flow"."""
     if bottom.kind == "flat" or bottom.half_angle_deg is None:
         return "funnel flow"
     solid, silo = bottom.silo.solid, bottom.silo

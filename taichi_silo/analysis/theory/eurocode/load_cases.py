@@ -2,8 +2,9 @@
 
 Each symmetrical load stands twice: with the values of table 3.1 for the largest pressure, and with those for the
 largest friction; pressure and friction of one case belong together, and carry the weight with the solid below. A patch
-is added to the case of largest pressure; it is pressure only. The envelope takes the largest of each over all cases and angles.
-The angle is 0 in the middle of a patch or of a flow channel, on the side of the outlet.
+is added to the case of largest pressure; it is pressure only. The envelope takes the largest of each over all cases and
+angles, and places of a patch that may stand anywhere. The angle is 0 in the middle of a patch or of a flow channel, on
+the side of the outlet.
 """
 
 from collections.abc import Callable
@@ -13,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taichi_silo.analysis.theory.eurocode.flow_channel import FlowChannel, channels
-from taichi_silo.analysis.theory.eurocode.patch_loads import PatchLoad, kinds, patch_load, uniform_increase
+from taichi_silo.analysis.theory.eurocode.patch_loads import STATES, PatchLoad, patch_loads, uniform_increase
 from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
 
 EXTREMES = {"pressure": "wall pressure", "friction": "wall friction"}  # of table 3.1
-STATES = ("filling", "discharge")
 Field = Callable[[NDArray, float], NDArray]  # of depths [m] and an angle [deg]
 
 
@@ -47,8 +47,7 @@ def load_cases(silo: EurocodeSilo, wall_thickness_m: float | None = None) -> lis
         more = uniform_increase(silo, state, wall_thickness_m)
         if more is not None:
             found += [_symmetrical(silo, state, extreme, more) for extreme in EXTREMES]
-        patches = [patch_load(silo, state, kind) for kind in kinds(silo, wall_thickness_m)]
-        found += [_patch(silo, one) for one in patches if one is not None]
+        found += [_patch(silo, one) for one in patch_loads(silo, wall_thickness_m) if one.state == state]
     for channel in channels(silo):
         found += [_channel(channel, extreme) for extreme in EXTREMES]
     return found
@@ -112,6 +111,11 @@ def depth_table(
         [field(one)(z, angle) for one in cases for angle in one.angles_deg]
         for field in (lambda one: one.normal_Pa, lambda one: one.shear_Pa)
     )
+    for one in patch_loads(silo, wall_thickness_m):
+        if one.anywhere:
+            base = silo.filling_normal_Pa if one.state == "filling" else silo.discharge_normal_Pa
+            lowest = base(np.minimum(z + 0.5 * one.height_m, one.depth_m))  # where a patch that covers z is largest
+            normal += [base(z) + share * lowest for share in one.shares]
     columns = {
         "depth_m": z,
         "p_hf_Pa": silo.filling_normal_Pa(z), "p_wf_Pa": silo.filling_shear_Pa(z),

@@ -34,6 +34,8 @@ THIN = 200.0  # d_c / t above which a round silo is thin-walled
 BAND = 0.36  # of p_p, in rectangular silos
 OUTWARD = 7.0  # over the inward pressure of a thick-walled silo
 LOW = 1.2  # h_c/d_c up to which (5.29) holds
+SQUARE_DEG = 22.5  # that s = pi d_c / 16 takes of the girth
+STATES = ("filling", "discharge")
 
 
 @dataclass(frozen=True)
@@ -51,17 +53,21 @@ class PatchLoad:
     force_N: float  # F of a thin-walled silo, of one square of a thick-walled one; of a band per metre of girth
     anywhere: bool  # whether it may stand at any depth; this one is where it is largest
 
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Largest and least pressure over p_h."""
+        if self.kind == "band":
+            return BAND * self.factor, 0.0
+        return self.factor, -self.factor / (1.0 if self.kind == "thin-walled" else OUTWARD)
+
     def pressure_at_Pa(self, angle_deg: float) -> float:
-        """Pressure at an angle from its middle [Pa], outward positive; of squares of `width_deg`."""
+        """Pressure at an angle from its middle [Pa], outward positive."""
         if self.kind == "band":
             return self.pressure_Pa
         if self.kind == "thin-walled":
             return float(self.pressure_Pa * np.cos(np.radians(angle_deg)))
         off = abs((angle_deg + 90.0) % 180.0 - 90.0)
         return self.pressure_Pa if off <= 0.5 * SQUARE_DEG else -self.inward_Pa
-
-
-SQUARE_DEG = 22.5  # that s = pi d_c / 16 takes of the girth
 
 
 def filling_factor(silo: EurocodeSilo) -> float:
@@ -120,6 +126,12 @@ def patch_load(silo: EurocodeSilo, state: str, kind: str) -> PatchLoad | None:
     inward = pressure / OUTWARD if kind == "thick-walled" else 0.0
     clause = f"5.2.{1 if state == 'filling' else 2}.{CLAUSES[kind]}"
     return PatchLoad(state, kind, clause, factor, depth, float(s), pressure, inward, float(force), anywhere)
+
+
+def patch_loads(silo: EurocodeSilo, wall_thickness_m: float | None) -> list[PatchLoad]:
+    """All patch loads of a silo, after filling and on discharge."""
+    found = [patch_load(silo, state, kind) for state in STATES for kind in kinds(silo, wall_thickness_m)]
+    return [one for one in found if one is not None]
 
 
 def uniform_increase(silo: EurocodeSilo, state: str, wall_thickness_m: float | None) -> tuple[float, float] | None:
