@@ -3,7 +3,7 @@
 from rich import box
 from rich.table import Table
 
-from taichi_silo.analysis.theory.eurocode.solids import table as rows_of
+from taichi_silo.scene.published_solids import published
 from taichi_silo.show.report.eurocode import EurocodeReport
 from taichi_silo.show.report.tables import ReportTable
 
@@ -38,11 +38,13 @@ def _table(title: str, one: ReportTable) -> Table:
 
 def solid_rows() -> dict[str, dict]:
     """Table E.1 by name, with where each row was read."""
-    return rows_of()
+    return published()
 
 
 def solid_table() -> Table:
     """Table E.1."""
-    rows = [(name, *(f"{row[key] / unit:g}" for key, (_, unit) in COLUMNS.items())) for name, row in rows_of().items()]
+    rows = [
+        (name, *(f"{row[key] / unit:g}" for key, (_, unit) in COLUMNS.items())) for name, row in published().items()
+    ]
     head = ("solid", *(title for title, _ in COLUMNS.values()))
     return _table("EN 1991-4:2006, table E.1: means, but for γ", ReportTable(head, tuple(rows)))

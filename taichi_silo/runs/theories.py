@@ -4,11 +4,10 @@ import math
 from typing import Any
 
 from taichi_silo.analysis.theory import beverloo
-from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
 from taichi_silo.analysis.theory.janssen import Janssen
 from taichi_silo.analysis.theory.walker import WalkerHopper
 from taichi_silo.mpm.laws import GudehusBauer
-from taichi_silo.scene.design import Design
+from taichi_silo.runs.eurocode import eurocode_findings
 from taichi_silo.scene.scene import Scene
 
 
@@ -29,43 +28,6 @@ def critical_simple_shear_angle_deg(critical_friction_angle_deg: float) -> float
     law = GudehusBauer(critical_friction_angle_deg=critical_friction_angle_deg)
     x = (math.sqrt(law.c1**2 + 4.0 * law.c2) - law.c1) / (2.0 * law.c2)
     return math.degrees(math.atan(3.0 * x / math.sqrt(2.0)))
-
-
-def eurocode_of(scene: Scene | Design) -> EurocodeSilo | None:
-    """The vertical walls of a scene's silo after EN 1991-4, with the solid that it names; None without such walls."""
-    return scene.eurocode.silo(scene.silo, scene.walls.kind != "smooth")
-
-
-def whose_numbers(scene: Scene | Design) -> str:
-    """A sentence on the solid that EN 1991-4's numbers are for, and the sand that is simulated."""
-    solid, sand = scene.eurocode.stored, scene.sand
-    low, high = solid.lower_weight_density_N_per_m3 / 1e3, solid.upper_weight_density_N_per_m3 / 1e3
-    own = sand.grain_density_kg_per_m3 / (1.0 + sand.void_ratio) * scene.method.gravity_m_per_s2 / 1e3
-    return (
-        f"EN 1991-4's numbers are those of its solid {solid.title} ({low:g} to {high:g} kN/m³, internal friction "
-        f"{solid.internal_friction_angle_deg:g}°); the simulated sand is another one: {sand.name} ({own:.3g} kN/m³ "
-        f"at a void ratio of {sand.void_ratio:g}, critical friction angle {sand.critical_friction_angle_deg:g}°)."
-    )
-
-
-def eurocode_findings(scene: Scene) -> dict[str, Any]:
-    """What EN 1991-4 gives at the foot of the vertical walls, for a summary."""
-    code = eurocode_of(scene)
-    if code is None:
-        return {}
-    deepest, bottom = code.height_m, scene.eurocode.bottom(scene.silo, code)
-    found = {
-        "solid": code.solid.title, "wall": code.wall, "whose_numbers": whose_numbers(scene),
-        "slenderness": code.slenderness, "limits": code.limits(),
-        "discharge_factors": list(code.discharge_factors),
-        "filling_normal_Pa": float(code.filling_normal_Pa(deepest)),
-        "discharge_normal_Pa": float(code.discharge_normal_Pa(deepest)),
-        "discharge_shear_Pa": float(code.discharge_shear_Pa(deepest)),
-        "large_eccentricity": code.is_eccentric,
-    }  # fmt: skip
-    if bottom is not None:
-        found |= {"bottom": bottom.kind, "transition_vertical_Pa": bottom.transition_Pa}
-    return found
 
 
 def hopper_of(

@@ -25,9 +25,8 @@ class Design(Options):
 
     @model_validator(mode="after")
     def _possible(self):
-        rough = self.walls.kind != "smooth"
-        self.eurocode.check(self.silo, rough)
-        if self.eurocode.silo(self.silo, rough) is None:
+        self.eurocode.check(self.silo)
+        if not self.silo.transition_m < self.silo.height_m:
             raise ValueError("outline_m has no vertical walls; EN 1991-4 needs some above the inclined ones")
         return self
 

@@ -1,19 +1,16 @@
 """What EN 1991-4 needs to know of a silo beside its shape: the stored solid, the wall, the class."""
 
-from dataclasses import replace
-from typing import Literal
+import math
+from typing import Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from taichi_silo.analysis.theory.eurocode.bottoms import Bottom
-from taichi_silo.analysis.theory.eurocode.solids import Solid, solids
-from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
+from taichi_silo.scene.published_solids import NOTES, published
 from taichi_silo.scene.silo import Silo
 from taichi_silo.utils.messages import near, shown
 from taichi_silo.utils.schema import Options
 
 Category = Literal["D1", "D2", "D3", "D4"]
-OF_SOLID = tuple(name for name in Solid.__dataclass_fields__ if name != "title")  # that a user may give
 
 
 class Eurocode(Options):
@@ -60,29 +57,38 @@ class Eurocode(Options):
     @classmethod
     def _known(cls, name: str) -> str:
         key = name.strip().lower().replace(" ", "-").replace("_", "-")
-        if key not in solids():
-            meant = near(key, solids())
-            hint = f"; did you mean {meant}?" if meant else f"; it must be one of {', '.join(solids())}"
+        if key not in published():
+            meant = near(key, published())
+            hint = f"; did you mean {meant}?" if meant else f"; it must be one of {', '.join(published())}"
             raise ValueError(f"eurocode.solid is {shown(name)}{hint}")
         return key
 
     @model_validator(mode="after")
-    def _ordered(self):
+    def _possible(self):
         solid = self.stored
-        lower, upper = solid.lower_weight_density_N_per_m3, solid.upper_weight_density_N_per_m3
+        lower, upper = (solid[f"{end}_weight_density_N_per_m3"] for end in ("lower", "upper"))
         if not lower <= upper:
             raise ValueError(f"lower_weight_density_N_per_m3 is {lower:g}; it must be at most the upper one, {upper:g}")
+        inside = math.tan(math.radians(solid["internal_friction_angle_deg"] / solid["internal_friction_factor"]))
+        ratio = solid["pressure_ratio"] * solid["pressure_ratio_factor"]
+        if (
+            not ratio * inside * math.tan(math.radians(solid["angle_of_repose_deg"])) < 1.0
+        ):  # else h0 may reach z0 (5.3)
+            raise ValueError(
+                f"pressure_ratio is {solid['pressure_ratio']:g}; with its factor, the internal friction and the angle "
+                f"of repose K tan(phi_i) tan(phi_r) must be below 1, and is {ratio * inside:.3g} times tan(phi_r)"
+            )
         return self
 
     @property
-    def stored(self) -> Solid:
-        """The stored solid: that of table E.1 with the values that are given instead."""
-        own = {name: value for name in OF_SOLID if (value := getattr(self, name)) is not None}
-        known = solids()[self.solid]
-        return replace(known, title=f"{known.title}, own values", **own) if own else known
+    def stored(self) -> dict[str, Any]:
+        """Title and values of the stored solid: those of table E.1, and those that are given instead."""
+        known = {name: value for name, value in published()[self.solid].items() if name != "read_in"}
+        own = {name: getattr(self, name) for name in known if name not in NOTES and getattr(self, name) is not None}
+        return known | own | ({"title": f"{known['title']}, own values"} if own else {})
 
-    def check(self, silo: Silo, rough: bool) -> None:
-        """Refuse a length, a place or a solid that the silo cannot have."""
+    def check(self, silo: Silo) -> None:
+        """Refuse a length or a place that the silo cannot have."""
         wide = silo.width_m
         if self.length_m is not None and (silo.section == "round" or self.length_m < wide):
             rule = "a round silo has none" if silo.section == "round" else f"it must be at least the width of {wide} m"
@@ -93,30 +99,3 @@ class Eurocode(Options):
             value = getattr(self, name)
             if value is not None and value > 0.5 * wide:
                 raise ValueError(f"eurocode.{name} is {value}; it must be at most half the width, {0.5 * wide:g} m")
-        self.silo(silo, rough)  # may refuse the solid
-
-    def silo(self, silo: Silo, rough: bool) -> EurocodeSilo | None:
-        """The vertical walls of a silo as the code sees them; None if it has none.
-
-        Raises ValueError if the solid is impossible there.
-        """
-        height = silo.height_m - silo.transition_m
-        if not height > 0.0:
-            return None
-        left, right = silo.outlet_m
-        eccentricity = abs(0.5 * (left + right) - 0.5 * silo.width_m)
-        return EurocodeSilo(
-            silo.width_m, height, wall=self.wall or ("D3" if rough else "D2"), section=silo.section,
-            outlet_eccentricity_m=eccentricity if self.outlet_eccentricity_m is None else self.outlet_eccentricity_m,
-            solid=self.stored, length_m=self.length_m, filling_eccentricity_m=self.filling_eccentricity_m,
-            action_class=self.action_class, wall_contact=self.wall_contact_factor,
-            flat_bottom=silo.transition_m == 0.0, from_top=self.from_top,
-        )  # fmt: skip
-
-    def bottom(self, silo: Silo, walls: EurocodeSilo) -> Bottom | None:
-        """The floor or hopper of a silo below its vertical walls; None below an outline's inclined walls."""
-        if silo.hopper is None and silo.transition_m > 0.0:
-            return None
-        angle = None if silo.hopper is None else silo.hopper.half_angle_deg
-        outlet = 0.0 if silo.hopper is None else silo.hopper.outlet_width_m
-        return Bottom(walls, angle, outlet, self.hopper_wall or walls.wall, self.dynamic)

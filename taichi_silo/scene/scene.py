@@ -297,7 +297,7 @@ class Scene(Options):
             raise ValueError(f"walls are {self.walls.kind}; in an average with rigid walls they must be very rough")
         half_model(self)
         self._check_outflow()
-        self.eurocode.check(self.silo, self.walls.kind != "smooth")
+        self.eurocode.check(self.silo)
         return self
 
     @model_validator(mode="after")

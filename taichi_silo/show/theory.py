@@ -2,8 +2,9 @@
 
 from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
 from taichi_silo.analysis.theory.janssen import Janssen
+from taichi_silo.runs.eurocode import eurocode_of
 from taichi_silo.runs.result import Result
-from taichi_silo.runs.theories import critical_simple_shear_angle_deg, eurocode_of, janssen_of
+from taichi_silo.runs.theories import critical_simple_shear_angle_deg, janssen_of
 
 TABLE_PRESSURE_RATIO = 0.45  # sand, EN 1991-4 table E.1
 ORIGINS = {"K0": "K0 of the law", "measured": "measured K"}  # ends of names in summary.json: origins of K

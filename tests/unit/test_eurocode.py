@@ -8,14 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from taichi_silo.analysis.theory.eurocode.solids import TABLE_3_1, WALLS, solids
+from taichi_silo.analysis.theory.eurocode.solids import TABLE_3_1, WALLS
 from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
 from taichi_silo.analysis.theory.janssen import Janssen
+from taichi_silo.runs.eurocode import solids
 
 SAND, CEMENT, WHEAT = (solids()[name] for name in ("sand", "cement", "wheat"))
-TALL = EurocodeSilo(4.0, 10.0)  # slender: h_c/d_c = 2.5
-LOW = EurocodeSilo(8.0, 6.0)  # squat: 0.75
-SHALLOW = EurocodeSilo(10.0, 3.0)  # retaining: 0.3
+TALL = EurocodeSilo(4.0, 10.0, SAND)  # slender: h_c/d_c = 2.5
+LOW = EurocodeSilo(8.0, 6.0, SAND)  # squat: 0.75
+SHALLOW = EurocodeSilo(10.0, 3.0, SAND)  # retaining: 0.3
 
 
 def values(solid, load, wall, **more):
@@ -67,7 +68,7 @@ def test_all_solids_of_the_table_are_possible(name):
 
 def test_a_published_silo_of_cement():
     # d 5 m, h 8 m, wall D3: z_o 6.07 m, h_0 0.61 m, p_vft 69.27 kPa
-    silo = EurocodeSilo(5.0, 8.0, "D3", solid=CEMENT)
+    silo = EurocodeSilo(5.0, 8.0, CEMENT, "D3")
     assert silo.slenderness == "intermediate"
     assert silo.depth_scale_m("bottom load") == pytest.approx(6.07, abs=5e-3)
     assert silo.surface_depth_m == pytest.approx(0.61, abs=5e-3)
@@ -103,7 +104,7 @@ def test_filling_of_a_squat_silo_by_hand():
 
 @pytest.mark.parametrize(("section", "width"), [("round", 4.0), ("plane", 2.0)])
 def test_a_slender_silo_is_janssens(section, width):
-    silo = EurocodeSilo(width, 10.0, section=section)
+    silo = EurocodeSilo(width, 10.0, SAND, section=section)
     mu, ratio = values(SAND, "wall pressure", "D2")
     theory = Janssen(width, 10.0, 16e3, np.degrees(np.arctan(mu)), ratio, section)
     z = np.linspace(0.0, 10.0, 11)
@@ -149,14 +150,14 @@ def test_friction_and_vertical_pressure_carry_the_weight(silo, load):
     ],
 )
 def test_slenderness_and_discharge_factors(height, name, factors):
-    assert EurocodeSilo(4.0, height).slenderness == name
-    assert EurocodeSilo(4.0, height).discharge_factors == pytest.approx(factors, abs=1e-7)
+    assert EurocodeSilo(4.0, height, SAND).slenderness == name
+    assert EurocodeSilo(4.0, height, SAND).discharge_factors == pytest.approx(factors, abs=1e-7)
 
 
 @pytest.mark.parametrize("off", [0.0, 1.0])
 def test_factors_of_class_1_go_over_into_each_other(off):
     # slender: C_h = 1.15 + 1.5 (1 + 0.4 e/d) C_op, C_w = 1.4 (1 + 0.4 e/d); means of K and mu
-    silo = EurocodeSilo(4.0, 8.0, action_class=1, filling_eccentricity_m=off)
+    silo = EurocodeSilo(4.0, 8.0, SAND, action_class=1, filling_eccentricity_m=off)
     more = 1.0 + 0.4 * off / 4.0
     assert silo.discharge_factors == pytest.approx((1.15 + 1.5 * more * 0.4, 1.4 * more), rel=1e-12)
     assert replace(silo, height_m=8.0 - 1e-9).discharge_factors == pytest.approx(silo.discharge_factors, rel=1e-8)
@@ -198,17 +199,17 @@ def test_far_down_all_silos_press_like_janssens(name):
 
 
 def test_a_long_rectangle_is_two_parallel_walls_and_a_square_a_circle():
-    plane = EurocodeSilo(4.0, 10.0, section="plane")
+    plane = EurocodeSilo(4.0, 10.0, SAND, section="plane")
     assert replace(plane, length_m=4e9).hydraulic_radius_m == pytest.approx(plane.hydraulic_radius_m)
     assert replace(plane, length_m=4.0).hydraulic_radius_m == TALL.hydraulic_radius_m == 1.0
 
 
 def test_limits_are_told():
     assert TALL.limits() == []
-    assert "h_b/d_c" in EurocodeSilo(1.0, 10.0).limits()[0]
-    assert len(EurocodeSilo(61.0, 101.0).limits()) == 2
-    assert "parallel" in EurocodeSilo(1.0, 3.0, section="plane").limits()[0]
-    assert "5.2.4" in EurocodeSilo(1.0, 3.0, section="plane", outlet_eccentricity_m=0.3).limits()[1]
+    assert "h_b/d_c" in EurocodeSilo(1.0, 10.0, SAND).limits()[0]
+    assert len(EurocodeSilo(61.0, 101.0, SAND).limits()) == 2
+    assert "parallel" in EurocodeSilo(1.0, 3.0, SAND, section="plane").limits()[0]
+    assert "5.2.4" in EurocodeSilo(1.0, 3.0, SAND, section="plane", outlet_eccentricity_m=0.3).limits()[1]
 
 
 def test_what_is_not_covered_is_refused():

@@ -7,10 +7,10 @@ import pytest
 
 from taichi_silo.analysis.theory.eurocode.bottoms import Bottom
 from taichi_silo.analysis.theory.eurocode.flow_pattern import flow_pattern, largest_half_angle_deg
-from taichi_silo.analysis.theory.eurocode.solids import solids
 from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
+from taichi_silo.runs.eurocode import solids
 
-CEMENT = EurocodeSilo(5.0, 12.0, "D2", solid=solids()["cement"], flat_bottom=False)
+CEMENT = EurocodeSilo(5.0, 12.0, solids()["cement"], "D2", flat_bottom=False)
 
 
 def limit_deg(silo, wall="D2"):
@@ -74,7 +74,7 @@ def test_the_bottom_load_is_magnified_by_class_and_solid():
 
 
 def test_the_floor_of_a_squat_silo_carries_the_heap_in_its_middle():
-    floor = {ratio: Bottom(EurocodeSilo(10.0, 10.0 * ratio)) for ratio in (0.75, 2.0 - 1e-9, 2.0)}
+    floor = {ratio: Bottom(EurocodeSilo(10.0, 10.0 * ratio, solids()["sand"])) for ratio in (0.75, 2.0 - 1e-9, 2.0)}
     # h_c/d_c = 0.75: h_tp = 5 tan 39 = 4.0489202, h0 a third of it; delta = 16 * 2.6992801 = 43.188482 kPa
     # times (2 - 0.75) / (2 - 0.40489202) = 0.7836458
     more = floor[0.75].floor_Pa - floor[0.75].transition_Pa
@@ -102,7 +102,7 @@ def test_rough_walls_need_steeper_hoppers_for_mass_flow_and_wedges_less_so(secti
 
 
 def test_a_hopper_has_mass_flow_where_all_values_say_so():
-    wheat = EurocodeSilo(10.0, 30.0, "D1", solid=solids()["wheat"], flat_bottom=False)
+    wheat = EurocodeSilo(10.0, 30.0, solids()["wheat"], "D1", flat_bottom=False)
     found = [flow_pattern(Bottom(wheat, angle, 1.0, "D1")) for angle in (10.0, 40.0, 60.0)]
     assert found == ["mass flow", "mass or funnel flow", "funnel flow"]
     assert flow_pattern(Bottom(wheat)) == "funnel flow"

@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from taichi_silo.analysis.theory.eurocode.solids import solids
 from taichi_silo.errors import BadInput
-from taichi_silo.runs.theories import eurocode_of, theory_of, whose_numbers
+from taichi_silo.runs.eurocode import eurocode_of, solids, whose_numbers
+from taichi_silo.runs.theories import theory_of
 from taichi_silo.scene.design import Design, read_design
 from taichi_silo.scene.eurocode import Eurocode
 from taichi_silo.scene.scene import Mesh, Scene, Walls
@@ -103,6 +103,8 @@ def test_it_lists_all_solids_of_the_table(said):
         (["eurocode.action_class=4"], "action_class is 4; it must be at least 1 and at most 3"),
         (["eurocode.pressure_ratio=1.5"], "pressure_ratio is 1.5; it must be at least 0.05 and at most 0.9"),
         (["eurocode.lower_weight_density_N_per_m3=9500"], "must be at most the upper one, 9000"),
+        (["eurocode.pressure_ratio=0.9", "eurocode.pressure_ratio_factor=2", "eurocode.internal_friction_angle_deg=50",
+          "eurocode.angle_of_repose_deg=50"], "K tan(phi_i) tan(phi_r) must be below 1"),
         (["eurocode.length_m=20"], "eurocode.length_m is 20.0; a round silo has none"),
         (["eurocode.outlet_eccentricity_m=6"], "must be at most half the width, 5 m"),
         (["eurocode.solids=wheat"], "eurocode.solids is not a parameter of a scene; did you mean eurocode.solid?"),
@@ -133,9 +135,9 @@ def test_flags_and_files_that_are_not_possible_are_refused(said, file, tmp_path)
 def test_own_values_stand_over_those_of_the_table():
     own = Eurocode(solid="Soya beans", pressure_ratio=0.5, upper_weight_density_N_per_m3=7500.0)
     assert own.solid == "soya-beans"
-    assert (own.stored.pressure_ratio, own.stored.upper_weight_density_N_per_m3) == (0.5, 7500.0)
-    assert own.stored.wall_friction_D2 == solids()["soya-beans"].wall_friction_D2
-    assert "own values" in own.stored.title
+    assert (own.stored["pressure_ratio"], own.stored["upper_weight_density_N_per_m3"]) == (0.5, 7500.0)
+    assert own.stored["wall_friction_D2"] == solids()["soya-beans"].wall_friction_D2
+    assert own.stored["title"] == "Soya beans, own values"
 
 
 def test_a_run_is_compared_with_the_solid_of_its_scene():

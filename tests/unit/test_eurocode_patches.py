@@ -11,11 +11,11 @@ from scipy.integrate import quad, solve_ivp
 from taichi_silo.analysis.theory.eurocode import patch_loads as patches
 from taichi_silo.analysis.theory.eurocode.flow_channel import FlowChannel, channels
 from taichi_silo.analysis.theory.eurocode.load_cases import depth_table, load_cases
-from taichi_silo.analysis.theory.eurocode.solids import solids
 from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
+from taichi_silo.runs.eurocode import solids
 
 WHEAT = solids()["wheat"]
-SILO = EurocodeSilo(10.0, 30.0, "D3", solid=WHEAT, filling_eccentricity_m=1.0)
+SILO = EurocodeSilo(10.0, 30.0, WHEAT, "D3", filling_eccentricity_m=1.0)
 FAR = replace(SILO, outlet_eccentricity_m=3.0, action_class=3)
 
 

@@ -29,30 +29,31 @@ def edges(low: float, high: float, count: int, more: tuple[float, ...]) -> np.nd
 
 
 def bands(load: "WallLoad") -> list[dict]:
-    """Surface, heights, angles, and mean pressure and friction of each band, from the foot upwards."""
+    """Surface, heights, angles, and mean pressure and friction of each band, sector after sector, from the foot up."""
     heights = edges(0.0, load.height_m, BANDS, load.cuts_m)
     sectors = [(0.0, 360.0)]
     if not load.symmetrical:
-        sectors = [(-90.0, 90.0), (90.0, 270.0)] if load.section == "plane" else list(
-            pairwise(edges(0.0, 360.0, SECTORS, load.turns_deg))
-        )  # fmt: skip
-    share = (np.arange(SAMPLES) + 0.5) / SAMPLES
+        halves = [(-90.0, 90.0), (90.0, 270.0)]
+        sectors = halves if load.section == "plane" else list(pairwise(edges(0.0, 360.0, SECTORS, load.turns_deg)))
+    one_angle = load.symmetrical or load.section == "plane"
+    parts = np.array([0.5]) if one_angle else (np.arange(TURNS) + 0.5) / TURNS
+    z = heights[:-1, None] + np.diff(heights)[:, None] * (np.arange(SAMPLES) + 0.5) / SAMPLES
+    weight = load.width_m(z) if load.section == "round" else np.ones_like(z)  # a hopper's girth grows upwards
+    weight /= weight.sum(axis=1, keepdims=True)
     found = []
-    for number, (low, high) in enumerate(pairwise(heights), 1):
-        z = low + share * (high - low)
-        width = load.width_m(z)  # the girth of a hopper's band grows upwards
-        weight = width / width.sum() if load.section == "round" else np.full(SAMPLES, 1.0 / SAMPLES)
-        for turn, (start, end) in enumerate(sectors, 1):
-            one_angle = load.symmetrical or load.section == "plane"
-            parts = np.array([0.5]) if one_angle else (np.arange(TURNS) + 0.5) / TURNS
-            name = f"{load.wall.upper()}_B{number:02d}" + ("" if load.symmetrical else f"_S{turn:02d}")
-            normal, shear = (
-                float(np.mean([weight @ field(z, float(angle) % 360.0) for angle in start + parts * (end - start)]))
-                for field in (load.normal_Pa, load.shear_Pa)
+    for turn, (start, end) in enumerate(sectors, 1):
+        normal, shear = (
+            np.mean(
+                [(weight * field(z, float(angle) % 360.0)).sum(axis=1) for angle in start + parts * (end - start)],
+                axis=0,
             )
+            for field in (load.normal_Pa, load.shear_Pa)
+        )
+        for number, (low, high) in enumerate(pairwise(heights), 1):
             found.append({
-                "surface": name, "from_height_m": low, "to_height_m": high, "from_angle_deg": start,
-                "to_angle_deg": end, "normal_Pa": normal, "shear_Pa": shear,
+                "surface": f"{load.wall.upper()}_B{number:02d}" + ("" if load.symmetrical else f"_S{turn:02d}"),
+                "from_height_m": low, "to_height_m": high, "from_angle_deg": start, "to_angle_deg": end,
+                "normal_Pa": float(normal[number - 1]), "shear_Pa": float(shear[number - 1]),
             })  # fmt: skip
     return found
 

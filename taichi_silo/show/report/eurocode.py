@@ -12,7 +12,7 @@ from taichi_silo.analysis.theory.eurocode.load_cases import LoadCase, depth_tabl
 from taichi_silo.analysis.theory.eurocode.patch_loads import STATES, PatchLoad, patch_loads, uniform_increase
 from taichi_silo.analysis.theory.eurocode.solids import TABLE_3_1
 from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
-from taichi_silo.runs.theories import eurocode_of, whose_numbers
+from taichi_silo.runs.eurocode import bottom_of, eurocode_of, whose_numbers
 from taichi_silo.scene.design import Design
 from taichi_silo.scene.scene import Scene
 from taichi_silo.show.report.tables import ReportTable
@@ -43,7 +43,7 @@ class EurocodeReport:
     @property
     def bottom(self) -> Bottom | None:
         """Floor or hopper; None below inclined walls of an outline."""
-        return self.scene.eurocode.bottom(self.scene.silo, self.silo)
+        return bottom_of(self.scene, self.silo)
 
     @cached_property
     def _table(self) -> tuple[pd.DataFrame, list[LoadCase]]:

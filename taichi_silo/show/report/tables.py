@@ -6,8 +6,9 @@ import numpy as np
 
 from taichi_silo.analysis.measure.wall_pressure import HOPPER_CELL_M, cell_mean
 from taichi_silo.analysis.theory.walker import WalkerHopper
+from taichi_silo.runs.eurocode import whose_numbers
 from taichi_silo.runs.result import Result
-from taichi_silo.runs.theories import hopper_of, janssen_of, whose_numbers
+from taichi_silo.runs.theories import hopper_of, janssen_of
 from taichi_silo.show.report.states import FORCES, STATES, Force, forces_of, wall_profile
 from taichi_silo.show.report.words import NONE, kN, kPa, mm, number, per_cent
 from taichi_silo.show.theory import eurocode, janssen, pressure_ratios, straight_m

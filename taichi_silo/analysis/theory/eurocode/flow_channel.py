@@ -17,6 +17,7 @@ column in the channel is in vertical equilibrium with the friction on wall and s
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,7 +41,7 @@ class FlowChannel:
         """Where it stands."""
         return "5.2.4.2" if self.radius_share is None else "5.2.4.3"
 
-    @property
+    @cached_property
     def _values(self) -> Values:
         return self.silo.values("hopper discharge")  # lower mu, upper K and phi_i
 
@@ -56,7 +57,7 @@ class FlowChannel:
         eta, rest = self._values.wall_friction / self._inside, 1.0 - self.radius_share
         return 0.5 * self.silo.width_m * (eta * rest + (1.0 - eta) * math.sqrt(rest))
 
-    @property
+    @cached_property
     def contact_deg(self) -> float:
         """Half the angle theta_c over which it touches the wall."""
         if self.radius_share is None:
@@ -77,7 +78,7 @@ class FlowChannel:
         area = (math.pi - psi) * own**2 + theta * r**2 - r * own * math.sin(psi - theta)
         return area, 2.0 * theta * r, 2.0 * own * (math.pi - psi)
 
-    @property
+    @cached_property
     def depth_scale_m(self) -> float:
         """Depth z_oc [m]."""
         area, wall, solid = self.geometry

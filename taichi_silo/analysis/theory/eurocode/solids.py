@@ -1,4 +1,4 @@
-"""Particulate solids after EN 1991-4:2006: table E.1, and the characteristic values that table 3.1 asks for.
+"""Particulate solids after EN 1991-4:2006: the characteristic values that table 3.1 asks for.
 
 A characteristic value is the mean times its conversion factor a (upper) or over it (lower), 4.2. Table 3.1 says which
 one counts: for the largest pressure on a vertical wall the lower mu and the upper K, for the largest friction both
@@ -14,10 +14,7 @@ that the solid slides on, 0.2 of a sinusoidal sheet; not confirmed against the p
 """
 
 import math
-import tomllib
 from dataclasses import dataclass
-from functools import lru_cache
-from pathlib import Path
 
 TABLE_3_1 = {  # load: power of the conversion factors of mu, K, phi_i
     "wall pressure": (-1, 1, -1),
@@ -32,7 +29,7 @@ SINUSOIDAL = 0.2  # a_w
 
 @dataclass(frozen=True)
 class Solid:
-    """Stored solid: mean values and conversion factors."""
+    """Stored solid: the columns of table E.1, mean values and conversion factors."""
 
     title: str
     lower_weight_density_N_per_m3: float  # gamma_l
@@ -75,15 +72,3 @@ class Values:
     wall_friction: float  # mu [-]
     pressure_ratio: float  # K [-]
     internal_friction_angle_deg: float  # phi_i
-
-
-@lru_cache
-def solids() -> dict[str, Solid]:
-    """All solids of table E.1 by name."""
-    return {name: Solid(**{k: v for k, v in row.items() if k != "read_in"}) for name, row in table().items()}
-
-
-@lru_cache
-def table() -> dict[str, dict]:
-    """The rows of `solids.toml`, with `read_in`, where each was read."""
-    return tomllib.loads(Path(__file__).with_name("solids.toml").read_text(encoding="utf-8"))

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import exprel
 
-from taichi_silo.analysis.theory.eurocode.solids import SINUSOIDAL, Solid, Values, solids
+from taichi_silo.analysis.theory.eurocode.solids import SINUSOIDAL, Solid, Values
 
 CRITICAL_ECCENTRICITY = 0.25  # of an outlet, over d_c: beyond it 5.2.4 asks for more
 RETAINING, SQUAT, SLENDER = 0.4, 1.0, 2.0  # limits of h_c/d_c
@@ -43,10 +43,10 @@ class EurocodeSilo:
 
     width_m: float  # d_c: the diameter, the shorter side, or the distance of two parallel walls
     height_m: float  # h_c, from the equivalent surface to the transition
+    solid: Solid
     wall: str = "D2"  # category "D1", "D2", "D3" or "D4"
     section: str = "round"  # or "plane"
     outlet_eccentricity_m: float = 0.0  # distance e_o of the outlet's middle from the axis
-    solid: Solid = solids()["sand"]
     length_m: float | None = None  # longer side of a rectangular silo, section "plane"; None: parallel walls
     filling_eccentricity_m: float = 0.0  # largest distance e_f of the top of the heap from the axis
     action_class: int = 2  # action assessment class, 2.5
