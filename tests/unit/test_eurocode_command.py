@@ -103,8 +103,15 @@ def test_it_lists_all_solids_of_the_table(said):
         (["eurocode.action_class=4"], "action_class is 4; it must be at least 1 and at most 3"),
         (["eurocode.pressure_ratio=1.5"], "pressure_ratio is 1.5; it must be at least 0.05 and at most 0.9"),
         (["eurocode.lower_weight_density_N_per_m3=9500"], "must be at most the upper one, 9000"),
-        (["eurocode.pressure_ratio=0.9", "eurocode.pressure_ratio_factor=2", "eurocode.internal_friction_angle_deg=50",
-          "eurocode.angle_of_repose_deg=50"], "K tan(phi_i) tan(phi_r) must be below 1"),
+        (
+            [
+                "eurocode.pressure_ratio=0.9",
+                "eurocode.pressure_ratio_factor=2",
+                "eurocode.internal_friction_angle_deg=50",
+                "eurocode.angle_of_repose_deg=50",
+            ],
+            "K tan(phi_i) tan(phi_r) must be below 1",
+        ),
         (["eurocode.length_m=20"], "eurocode.length_m is 20.0; a round silo has none"),
         (["eurocode.outlet_eccentricity_m=6"], "must be at most half the width, 5 m"),
         (["eurocode.solids=wheat"], "eurocode.solids is not a parameter of a scene; did you mean eurocode.solid?"),
