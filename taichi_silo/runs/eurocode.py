@@ -1,5 +1,6 @@
 """EN 1991-4 for the silo of a scene, with the solid that the scene names."""
 
+import math
 from functools import lru_cache
 from typing import Any
 
@@ -9,6 +10,7 @@ from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
 from taichi_silo.scene.design import Design
 from taichi_silo.scene.published_solids import published
 from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.silo import Silo
 
 
 @lru_cache
@@ -30,8 +32,15 @@ def eurocode_of(scene: Scene | Design) -> EurocodeSilo | None:
         section=silo.section, length_m=code.length_m, filling_eccentricity_m=code.filling_eccentricity_m,
         outlet_eccentricity_m=eccentricity if code.outlet_eccentricity_m is None else code.outlet_eccentricity_m,
         action_class=code.action_class, wall_contact=code.wall_contact_factor, from_top=code.from_top,
-        flat_bottom=silo.transition_m == 0.0,
+        hopper_height_m=_apex_m(silo),
     )  # fmt: skip
+
+
+def _apex_m(silo: Silo) -> float:
+    """Height of the transition over the apex of a hopper, or over the outlet of an outline; 0 with a flat bottom."""
+    if silo.hopper is None:
+        return silo.transition_m
+    return 0.5 * silo.width_m / math.tan(math.radians(silo.hopper.half_angle_deg))
 
 
 def bottom_of(scene: Scene | Design, walls: EurocodeSilo) -> Bottom | None:

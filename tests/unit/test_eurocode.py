@@ -54,7 +54,7 @@ def test_all_solids_of_the_table_are_possible(name):
     assert 20.0 < solid.internal_friction_angle_deg < solid.angle_of_repose_deg + 5.0 < 55.0
     assert 0.0 < solid.wall_friction_D1 <= solid.wall_friction_D2 <= solid.wall_friction_D3 < 0.8
     assert 0.35 < solid.pressure_ratio < 0.65 and 0.4 <= solid.patch_factor <= 1.0
-    # the table's K is 1.1 (1 - sin(phi_im)) to its two digits (annex C: K_mo of a jacketed cell)
+    # the table's K are close to 1.1 (1 - sin(phi_im)): -0.021 to 0.031 away; a row that was misread is not
     assert solid.pressure_ratio == pytest.approx(
         1.1 * (1.0 - np.sin(np.radians(solid.internal_friction_angle_deg))), abs=0.035
     )
@@ -173,7 +173,7 @@ def test_a_retaining_silo_by_hand():
     assert SHALLOW.discharge_normal_Pa(3.0) == SHALLOW.filling_normal_Pa(3.0)
     friction = quad(SHALLOW.filling_shear_Pa, 0.0, 3.0, points=[SHALLOW.surface_depth_m])[0]
     assert SHALLOW.filling_wall_force_N_per_m(3.0) == pytest.approx(friction, rel=1e-9)
-    assert replace(SHALLOW, flat_bottom=False).slenderness == "squat"  # a hopper below
+    assert replace(SHALLOW, hopper_height_m=8.0).slenderness == "squat"  # a hopper below
 
 
 @pytest.mark.parametrize("name", solids())
@@ -208,6 +208,7 @@ def test_limits_are_told():
     assert TALL.limits() == []
     assert "h_b/d_c" in EurocodeSilo(1.0, 10.0, SAND).limits()[0]
     assert len(EurocodeSilo(61.0, 101.0, SAND).limits()) == 2
+    assert EurocodeSilo(30.0, 95.0, SAND, hopper_height_m=6.0).limits()[0].startswith("The height h_b [m] is 101")
     assert "parallel" in EurocodeSilo(1.0, 3.0, SAND, section="plane").limits()[0]
     assert "5.2.4" in EurocodeSilo(1.0, 3.0, SAND, section="plane", outlet_eccentricity_m=0.3).limits()[1]
 

@@ -10,7 +10,7 @@ from taichi_silo.analysis.theory.eurocode.flow_pattern import flow_pattern, larg
 from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
 from taichi_silo.runs.eurocode import solids
 
-CEMENT = EurocodeSilo(5.0, 12.0, solids()["cement"], "D2", flat_bottom=False)
+CEMENT = EurocodeSilo(5.0, 12.0, solids()["cement"], "D2", hopper_height_m=8.0)
 
 
 def limit_deg(silo, wall="D2"):
@@ -102,7 +102,7 @@ def test_rough_walls_need_steeper_hoppers_for_mass_flow_and_wedges_less_so(secti
 
 
 def test_a_hopper_has_mass_flow_where_all_values_say_so():
-    wheat = EurocodeSilo(10.0, 30.0, solids()["wheat"], "D1", flat_bottom=False)
+    wheat = EurocodeSilo(10.0, 30.0, solids()["wheat"], "D1", hopper_height_m=8.0)
     found = [flow_pattern(Bottom(wheat, angle, 1.0, "D1")) for angle in (10.0, 40.0, 60.0)]
     assert found == ["mass flow", "mass or funnel flow", "funnel flow"]
     assert flow_pattern(Bottom(wheat)) == "funnel flow"

@@ -107,6 +107,10 @@ class EurocodeReport:
         """What has to be known to use the numbers."""
         found = [whose_numbers(self.scene), "All values are characteristic ones, without partial factors."]
         found += self.silo.limits()
+        if self.scene.silo.inserts:
+            found.append("The standard is not for silos with structures inside (1.1.2).")
+        if any(one.clause == "5.2.3" for one in self.cases):
+            found.append("The uniform increase (5.2.3) may stand for the patch loads; the envelope has both.")
         if self.bottom is None:
             found.append("The inclined walls of the outline are no cone or wedge of section 6: they are not computed.")
         elif self.bottom.kind != "flat" and not self.hopper_rows:
@@ -122,11 +126,11 @@ class EurocodeReport:
     def depth_table(self) -> ReportTable:
         """Pressures by depth in kPa."""
         rows = [(f"{row.depth_m:.4g}", *(kPa(getattr(row, name)) for name in DEPTH)) for row in self.frame.itertuples()]
-        symmetrical = [one.name for one in self.cases if one.symmetrical]
-        others = [one.name for one in self.cases if not one.symmetrical]
+        clauses = [f"{one.name.replace('_', ' ')} ({one.clause})" for one in self.cases]
+        forces = "5.2.1.1" if self.silo.slenderness == "slender" else "5.3"
         note = (
             "kPa, n_zSk in kN per metre of girth; depth below the levelled surface. p_h presses outward, p_w downward. "
-            f"Envelope over {', '.join(symmetrical + others).replace('_', ' ')}."
+            f"Envelope over {', '.join(clauses)}; n_zSk, p_vf: {forces}."
         )
         return ReportTable(("depth (m)", *DEPTH.values()), tuple(rows), note)
 
@@ -176,7 +180,10 @@ class EurocodeReport:
             pressures = (kPa(float(one.normal_Pa(foot, angle))) for angle in (0.0, 1.5 * theta, 180.0))
             rows.append((one.clause, *sizes, *pressures))
         head = ("clause", "r_c (m)", "e_c (m)", "θ_c (°)", "inside (kPa)", "beside (kPa)", "far (kPa)")
-        note = "Pressures at the foot of the vertical walls; beside the channel from θ_c to 2 θ_c on both sides."
+        note = (
+            "Pressures at the foot of the vertical walls; beside the channel from θ_c to 2 θ_c. Cases are "
+            "named by r_c in per cent of the radius."
+        )
         return ReportTable(head, tuple(rows), note) if rows else None
 
     def hopper_table(self) -> ReportTable | None:

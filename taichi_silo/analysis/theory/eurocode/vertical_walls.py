@@ -51,7 +51,7 @@ class EurocodeSilo:
     filling_eccentricity_m: float = 0.0  # largest distance e_f of the top of the heap from the axis
     action_class: int = 2  # action assessment class, 2.5
     wall_contact: float = SINUSOIDAL  # a_w of a wall D4
-    flat_bottom: bool = True  # a hopper otherwise
+    hopper_height_m: float = 0.0  # h_h, from the transition down to the hopper's apex; 0 with a flat bottom
     from_top: bool = False  # unloaded from the top, without flow inside
 
     def __post_init__(self) -> None:
@@ -64,11 +64,12 @@ class EurocodeSilo:
 
     def limits(self) -> list[str]:
         """Return a sentence for each limit of the standard's validity that the silo is outside of (1.1.2)."""
+        whole = self.height_m + self.hopper_height_m
         found = [
             f"{what} is {value:.4g}: it must be less than {limit:g}."
             for value, limit, what in (
-                (self.height_m / self.width_m, 10.0, "The ratio h_b/d_c of height and width"),
-                (self.height_m, 100.0, "The height h_b [m]"),
+                (whole / self.width_m, 10.0, "The ratio h_b/d_c of height and width"),
+                (whole, 100.0, "The height h_b [m]"),
                 (self.width_m, 60.0, "The width d_c [m]"),
             )
             if value >= limit
@@ -87,7 +88,7 @@ class EurocodeSilo:
             return "slender"
         if ratio > SQUAT:
             return "intermediate"
-        return "retaining" if ratio <= RETAINING and self.flat_bottom else "squat"
+        return "retaining" if ratio <= RETAINING and not self.hopper_height_m else "squat"
 
     @property
     def is_eccentric(self) -> bool:
