@@ -142,6 +142,27 @@ def test_a_run_exports_the_pressures_of_its_walls(run, said):
     assert said("export", run, "--format", "wall-loads", "--overwrite")[0] == 0
 
 
+def test_a_round_hopper_of_which_one_side_is_kept_is_exported(tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    hopper = Hopper(half_angle_deg=30, outlet_width_m=0.08)
+    write_parameters(folder, Scene(silo=Silo(section="round", hopper=hopper), grid=Mesh(cell_size_m=0.01)), {})
+    y = np.linspace(0.0, 0.1, 11)
+    rows = [
+        pd.DataFrame({"state": "filling", "wall": wall, "height_m": y + low, "normal_stress_Pa": 1e3 * (share + y),
+                      "shear_stress_Pa": 300.0})
+        for wall, low, share in (("left", 0.1, 1.0), ("right", 0.1, 2.0), ("hopper_right", 0.0, 4.0))
+    ]  # fmt: skip
+    pd.concat(rows).to_csv(folder / "walls.csv", index=False)
+    wall, inclined = wall_loads.of_run(Result(folder))
+    assert (wall.case, inclined.case) == ("filling", "hopper_filling")
+    z = np.array([0.0, 0.05])
+    assert inclined.normal_Pa(z, 0.0) == pytest.approx([4e3, 4.05e3]) == inclined.normal_Pa(z, 180.0)
+    foot = float(Result(folder).scene.silo.transition_m) - 0.1
+    assert wall.normal_Pa(np.array([0.0]), 90.0) == pytest.approx(1.5e3 + 1e3 * foot)  # the mean of both sides
+    assert inclined.width_m(np.array([0.0, inclined.height_m])) == pytest.approx([0.08, 0.2])
+
+
 def test_a_run_without_wall_stresses_has_none_to_export(run, said):
     (run / "walls.csv").unlink()
     code, _, err = said("export", run, "--format", "wall-loads")

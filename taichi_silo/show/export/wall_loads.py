@@ -118,7 +118,8 @@ def _down(height_m: float, z: NDArray) -> NDArray:
 def of_run(run: Result) -> list[WallLoad]:
     """Wall stresses of a run after filling, where N is largest in flow, and at its end.
 
-    In a round silo both sides of the section are one wall, and the mean of both counts.
+    In a round silo both sides of the section are one wall, and the mean of both counts. One side of a hopper
+    stands for both where the run left no other.
     """
     silo, found = run.scene.silo, []
     low, high = silo.transition_m, silo.height_m
@@ -130,9 +131,11 @@ def of_run(run: Result) -> list[WallLoad]:
         ):
             if wall == "hopper" and silo.hopper is None:
                 continue
-            normal, shear = ([run.profile(state, name, quantity) for name in names]
-                             for quantity in ("normal_stress_Pa", "shear_stress_Pa"))  # fmt: skip
-            if not all(len(one[0]) > 1 for one in (*normal, *shear)) or not top > foot:
+            normal, shear = (
+                [one for name in names if len((one := run.profile(state, name, quantity))[0]) > 1]
+                for quantity in ("normal_stress_Pa", "shear_stress_Pa")
+            )
+            if not (normal and shear and top > foot):
                 continue
             found.append(WallLoad(
                 f"{wall}_{state}" if wall == "hopper" else state, "simulated", wall,
@@ -143,10 +146,10 @@ def of_run(run: Result) -> list[WallLoad]:
 
 
 def _sides(profiles: list[tuple[NDArray, NDArray]], foot_m: float, section: str) -> Field:
-    """A field from the profiles (heights, stresses) of the right and the left wall."""
+    """A field from the profiles (heights, stresses) of the right and the left wall, or of one for both."""
 
     def at(z: NDArray, angle_deg: float) -> NDArray:
-        right, left = (np.interp(foot_m + np.asarray(z), *one) for one in profiles)
+        right, left = (np.interp(foot_m + np.asarray(z), *profiles[end]) for end in (0, -1))
         if section == "round":
             return 0.5 * (right + left)
         return left if 90.0 < angle_deg < 270.0 else right
@@ -159,7 +162,7 @@ def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) ->
     loads = of_run(run)
     write_loads(loads, target, f"run {run.label}")
     seen()
-    return len(loads)
+    return len({one.case.removeprefix("hopper_") for one in loads})
 
 
 def write_loads(loads: list[WallLoad], target: Path, about: str) -> None:

@@ -59,8 +59,8 @@ class Bottom:
 
     @property
     def _ratio(self) -> float:
-        """Lower K; below 1, of which Walker's theory is."""
-        return min(self.silo.values("hopper filling").pressure_ratio, 0.999)
+        """Lower K."""
+        return self.silo.values("hopper filling").pressure_ratio
 
     @property
     def load_factor(self) -> float:
