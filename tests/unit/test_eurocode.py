@@ -66,8 +66,8 @@ def test_all_solids_of_the_table_are_possible(name):
     assert len(solids()) == 25
 
 
-def test_a_published_silo_of_cement():
-    # d 5 m, h 8 m, wall D3: z_o 6.07 m, h_0 0.61 m, p_vft 69.27 kPa
+def test_a_worked_example_of_a_cement_silo():
+    # d 5 m, h 8 m, wall D3: z_o 6.07 m, h_0 0.61 m, p_vft 69.27 kPa; its source is not confirmed
     silo = EurocodeSilo(5.0, 8.0, CEMENT, "D3")
     assert silo.slenderness == "intermediate"
     assert silo.depth_scale_m("bottom load") == pytest.approx(6.07, abs=5e-3)

@@ -7,7 +7,7 @@ after filling and the upper ones on discharge. Silos of action assessment class 
 
 The note to table 3.1 caps mu at tan(phi_i). Here the lower phi_i caps it for all loads. For the load on a bottom the
 table itself names the upper phi_i, with which the cap hardly ever counts; the lower one is on the safe side and is
-what the published example of a cement silo uses (z_o = 6.07 m; 5.83 m with the upper one).
+what a worked example of a cement silo uses (z_o = 6.07 m; 5.83 m with the upper one), whose source is not confirmed.
 
 A wall of category D4 (corrugated) has mu = (1 - a_w) tan(phi_i) + a_w mu_D2, annex D.2, where a_w is the share of wall
 that the solid slides on, 0.2 of a sinusoidal sheet; not confirmed against the print.
