@@ -63,8 +63,20 @@ def sands() -> str:
     return "\n\n".join("\n".join(f"| {' | '.join(row)} |" for row in part) for part in (rows, notes))
 
 
+def solids() -> str:
+    """Table E.1 of EN 1991-4, and where each row was read."""
+    from taichi_silo.cli.eurocode_words import COLUMNS
+    from taichi_silo.scene.published_solids import published
+
+    heads = ("name", *(title for title, _ in COLUMNS.values()), "read in")
+    rows = [heads, ("---",) * len(heads)]
+    for name, row in published().items():
+        rows.append((f"`{name}`", *(f"{row[key] / unit:g}" for key, (_, unit) in COLUMNS.items()), row["read_in"]))
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
 PARTS = {
     "architecture": house.picture,
-    "scene": scene, "sands": sands, "commands": command_line.commands, "scenarios": command_line.scenarios,
-    "python": python_names.names,
+    "scene": scene, "sands": sands, "solids": solids, "commands": command_line.commands,
+    "scenarios": command_line.scenarios, "python": python_names.names,
 }  # fmt: skip

@@ -19,6 +19,7 @@ COMMANDS = (
     "sweep",
     "converge",
     "drawing",
+    "eurocode",
     "doctor",
 )  # in the order of the help
 

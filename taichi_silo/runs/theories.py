@@ -4,12 +4,11 @@ import math
 from typing import Any
 
 from taichi_silo.analysis.theory import beverloo
-from taichi_silo.analysis.theory.eurocode import EurocodeSilo
 from taichi_silo.analysis.theory.janssen import Janssen
 from taichi_silo.analysis.theory.walker import WalkerHopper
 from taichi_silo.mpm.laws import GudehusBauer
+from taichi_silo.runs.eurocode import eurocode_findings
 from taichi_silo.scene.scene import Scene
-from taichi_silo.scene.silo import Silo
 
 
 def janssen_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> Janssen:
@@ -29,14 +28,6 @@ def critical_simple_shear_angle_deg(critical_friction_angle_deg: float) -> float
     law = GudehusBauer(critical_friction_angle_deg=critical_friction_angle_deg)
     x = (math.sqrt(law.c1**2 + 4.0 * law.c2) - law.c1) / (2.0 * law.c2)
     return math.degrees(math.atan(3.0 * x / math.sqrt(2.0)))
-
-
-def eurocode_of(silo: Silo, rough: bool, outlet_eccentricity_m: float = 0.0) -> EurocodeSilo:
-    """The same vertical walls after EN 1991-4, with sand of table E.1 on a smooth (D2) or rough (D3) wall."""
-    return EurocodeSilo(
-        silo.width_m, silo.height_m - silo.transition_m, wall="D3" if rough else "D2", section=silo.section,
-        outlet_eccentricity_m=outlet_eccentricity_m,
-    )  # fmt: skip
 
 
 def hopper_of(
@@ -68,19 +59,11 @@ def theory_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> dict:
     left, right = silo.outlet_m
     eccentricity = abs(0.5 * (left + right) - 0.5 * silo.width_m)
     found: dict[str, Any] = {"outlet_eccentricity_m": eccentricity}
-    code = eurocode_of(silo, scene.walls.kind == "very-rough", eccentricity)
-    deepest = code.height_m
-    found["eurocode"] = {"slenderness": code.slenderness, "limits": code.limits()}
-    if code.slenderness != "retaining":  # of which the code gives other pressures
-        found["eurocode"] |= {
-            "discharge_factors": list(code.discharge_factors),
-            "filling_normal_Pa": float(code.filling_normal_Pa(deepest)),
-            "discharge_normal_Pa": float(code.discharge_normal_Pa(deepest)),
-            "discharge_shear_Pa": float(code.discharge_shear_Pa(deepest)),
-            "large_eccentricity": bool(eccentricity > 0.25 * silo.width_m),
-        }
+    if code := eurocode_findings(scene):
+        found["eurocode"] = code
     if silo.hopper is not None and 0.0 < angle_deg < 90.0:
-        above = float(janssen_of(scene, angle_deg, pressure_ratio).vertical_stress_Pa(deepest))
+        straight = silo.height_m - silo.transition_m
+        above = float(janssen_of(scene, angle_deg, pressure_ratio).vertical_stress_Pa(straight))
         girths = 2 if silo.section == "round" else 1  # metres of girth that forces are counted for
         for state in ("filling", "discharge"):
             try:

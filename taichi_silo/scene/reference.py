@@ -12,7 +12,8 @@ import tomli_w
 from taichi_silo.scene.dotted_paths import Place, places
 
 UNITS = {
-    "kg_per_m3": "kg/m³", "m_per_s2": "m/s²", "m_per_s": "m/s", "m2": "m²", "deg": "°", "Pa": "Pa", "m": "m", "s": "s",
+    "N_per_m3": "N/m³", "kg_per_m3": "kg/m³", "m_per_s2": "m/s²", "m_per_s": "m/s", "m2": "m²", "deg": "°", "Pa": "Pa",
+    "m": "m", "s": "s",
 }  # fmt: skip
 SAND_ITSELF = ("name", "void_ratio", "law")  # of a sand, beside its constants
 SIGNS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}

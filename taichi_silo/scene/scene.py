@@ -15,6 +15,7 @@ from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.neighbour_rows import MOST_PAIRS, most_pairs
 from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, WEIGHTS, Weight, self_weight, summed_by
+from taichi_silo.scene.eurocode import Eurocode
 from taichi_silo.scene.method_options import MethodOptions, Shape
 from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.silo import Silo
@@ -268,6 +269,7 @@ class Scene(Options):
     filling: Filling = Filling()
     flow: Flow = Flow()
     method: Method = Method()
+    eurocode: Eurocode = Eurocode()
     output: Output = Output()
     machine: Machine = Machine()
 
@@ -295,6 +297,7 @@ class Scene(Options):
             raise ValueError(f"walls are {self.walls.kind}; in an average with rigid walls they must be very rough")
         half_model(self)
         self._check_outflow()
+        self.eurocode.check(self.silo)
         return self
 
     @model_validator(mode="after")

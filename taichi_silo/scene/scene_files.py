@@ -32,16 +32,26 @@ def read_scene(file: Path, changes: Iterable[str] = (), threads: int | None = No
     threads : on which to compute, if not as in the file.
 
     """
+    tables = read_tables(file, changes)
+    if threads is not None and isinstance(tables.setdefault("machine", {}), dict):  # its type refuses what is no table
+        tables["machine"]["threads"] = threads
+    try:
+        return Scene.model_validate(tables)
+    except ValidationError as error:
+        raise BadInput(f"{file}: {one_sentence(error)}") from error
+
+
+def read_tables(file: Path, changes: Iterable[str] = ()) -> dict[str, Any]:
+    """The tables of a scene file, not yet checked, with changes over them and the constants of a sand that is named.
+
+    Raises BadInput if the file cannot be read, a change is none, or the sand is not known.
+    """
     tables = bounded_reading.toml(file, "a scene")
     tables.pop(PROGRAM, None)
     for change in changes:
         _apply(tables, change)
-    if threads is not None and isinstance(tables.setdefault("machine", {}), dict):  # its type refuses what is no table
-        tables["machine"]["threads"] = threads
     try:
-        return scene_of(tables)
-    except ValidationError as error:
-        raise BadInput(f"{file}: {one_sentence(error)}") from error
+        return _named(tables)
     except BadInput as error:
         raise BadInput(f"{file}: {error}") from error
 
@@ -52,10 +62,13 @@ def scene_of(tables: dict) -> Scene:
     Raises BadInput if a sand is named that is not published, and its constants are not all given; ValidationError if
     the values are not possible.
     """
+    return Scene.model_validate(_named(tables))
+
+
+def _named(tables: dict) -> dict:
+    """The tables with the constants of a published sand that is named in them."""
     sand = tables.get("sand")
-    if isinstance(sand, dict) and "name" in sand:
-        tables = tables | {"sand": _with_constants(sand)}
-    return Scene.model_validate(tables)
+    return tables | {"sand": _with_constants(sand)} if isinstance(sand, dict) and "name" in sand else tables
 
 
 def _with_constants(sand: dict) -> dict:

@@ -1,9 +1,10 @@
 """The theories that figures and reports set beside a run: Janssen, EN 1991-4, and friction in critical simple shear."""
 
-from taichi_silo.analysis.theory.eurocode import EurocodeSilo
+from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
 from taichi_silo.analysis.theory.janssen import Janssen
+from taichi_silo.runs.eurocode import eurocode_of
 from taichi_silo.runs.result import Result
-from taichi_silo.runs.theories import critical_simple_shear_angle_deg, eurocode_of, janssen_of
+from taichi_silo.runs.theories import critical_simple_shear_angle_deg, janssen_of
 
 TABLE_PRESSURE_RATIO = 0.45  # sand, EN 1991-4 table E.1
 ORIGINS = {"K0": "K0 of the law", "measured": "measured K"}  # ends of names in summary.json: origins of K
@@ -42,8 +43,5 @@ def janssen(run: Result, pressure_ratio: float) -> Janssen | None:
 
 
 def eurocode(run: Result) -> EurocodeSilo | None:
-    """The code's silo of this shape; None of a squat one, for which the code gives other pressures."""
-    if not straight_m(run) > 0.0:
-        return None
-    code = eurocode_of(run.scene.silo, run.scene.walls.kind != "smooth")
-    return None if code.slenderness == "retaining" else code
+    """The code's silo of this shape, with the solid of the scene; None without vertical walls."""
+    return eurocode_of(run.scene)

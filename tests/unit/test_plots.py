@@ -12,8 +12,11 @@ from taichi_silo.runs import snapshot
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.theories import critical_simple_shear_angle_deg
 from taichi_silo.scene.scene import Walls
+from taichi_silo.scene.silo import Hopper, Silo
 from taichi_silo.show.figures import plot_run
+from taichi_silo.show.figures.forces import run_forces_figure
 from taichi_silo.show.figures.void_ratio import chosen_snapshots
+from taichi_silo.show.theory import janssen
 from tests import made_up
 from validation.case_figures import plot_cases
 
@@ -54,6 +57,22 @@ def assert_drawn(paths, names):
         image = np.asarray(Image.open(path).convert("RGB"))
         assert min(image.shape[:2]) > 400
         assert np.mean(np.any(image < 200, axis=2)) > 0.01  # something is there beside the paper
+
+
+@pytest.mark.parametrize(
+    ("silo", "metres"),
+    [(Silo(), 1), (Silo(section="round"), 2), (Silo(hopper=Hopper(half_angle_deg=30.0, outlet_width_m=0.08)), 0)],
+)
+def test_janssen_s_force_on_the_bottom_is_drawn_where_there_is_a_floor(tmp_path, silo, metres):
+    """Of a round silo for two metres of girth, as P is counted; not beside a hopper, which has no floor."""
+    walls = Walls(kind="smooth", friction_angle_deg=19.0)
+    made_up.leave(tmp_path / "run", made_up.scene(silo=silo, walls=walls))
+    run = Result(tmp_path / "run")
+    panel = run_forces_figure(run).axes[0]
+    lines = [line.get_ydata()[0] for line in panel.get_lines() if line.get_label().startswith("Janssen")]
+    theory = janssen(run, 0.45)
+    expected = [metres * theory.bottom_force_N_per_m / 1e3] if metres else []
+    assert lines == pytest.approx(expected)
 
 
 def test_figures_of_a_run(tmp_path):

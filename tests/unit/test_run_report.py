@@ -156,6 +156,19 @@ def test_theory_stands_beside_the_stresses_of_the_run(run):
     assert float(middle[1]) == pytest.approx(float(law) / 1e3, rel=0.1)
 
 
+def test_the_code_stands_on_a_sheet_of_its_own_and_says_whose_numbers_they_are(tmp_path):
+    scene = Scene(walls=Walls(kind="smooth", friction_angle_deg=15.0), eurocode={"solid": "barley", "wall": "D1"})
+    words = outline(written(tmp_path / "run", scene)).words
+    assert "Barley (7 to 8 kN/m³, internal friction 28°); the simulated sand is another one: karlsruhe" in words
+    assert (
+        "Characteristic values" in words
+        and words.count("discharge pressure (5.2.2.1)") == 1
+        and "slender (5.1)" in words
+    )
+    inclined = Scene(silo={"outline_m": [(0.06, 0), (0.14, 0), (0.2, 0.5), (0, 0.5)]}, grid=Mesh(cell_size_m=0.01))
+    assert "Characteristic values" not in outline(written(tmp_path / "inclined", inclined)).words
+
+
 def test_a_hopper_has_walkers_theory_and_its_own_pressure(tmp_path):
     run = written(tmp_path / "run", Scene(silo=HOPPER, walls=Walls(kind="smooth", friction_angle_deg=15.0)))
     height = np.linspace(0.0, 0.13, 14)

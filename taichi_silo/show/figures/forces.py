@@ -147,10 +147,13 @@ def _values(rows, name: str):
 def janssen_line(panel, run: Result, name: str):
     """Draw Janssen's force as a dashed line."""
     origin, ratio = next(iter(theory.pressure_ratios(run).items()))
-    fill = theory.janssen(run, ratio)
-    if fill is None:
+    fill, silo = theory.janssen(run, ratio), run.scene.silo
+    if fill is None or (name == "P" and silo.transition_m):  # it carries a floor, and there is none
         return
-    value = {"P": fill.bottom_force_N_per_m, "T": fill.shear_force_N_per_m, "N": fill.normal_force_N_per_m}[name]
+    girths = 2 if silo.section == "round" else 1  # metres of girth that P is counted for
+    value = {"P": girths * fill.bottom_force_N_per_m, "T": fill.shear_force_N_per_m, "N": fill.normal_force_N_per_m}[
+        name
+    ]
     _reference_line(panel, value / 1e3, "--", f"Janssen, {origin} = {ratio:.2f}")
 
 

@@ -90,7 +90,7 @@ def _draw_janssen(panel, run: Result, quantity: str, name_origin: bool):
 
 
 def _draw_code(panel, run: Result, quantity: str):
-    """Draw the stress on discharge after EN 1991-4, of sand as in its table."""
+    """Draw the stress on discharge after EN 1991-4, of the solid that the scene names."""
     code = theory.eurocode(run)
     if code is None:
         return
@@ -98,5 +98,5 @@ def _draw_code(panel, run: Result, quantity: str):
     stress = code.discharge_normal_Pa if quantity == "normal_stress_Pa" else code.discharge_shear_Pa
     panel.plot(
         stress(code.height_m - height) / 1e3, 1e3 * (foot + height), color=REFERENCE, linestyle="-.",
-        linewidth=1.0, zorder=3.4, label="EN 1991-4, discharge, its sand",
+        linewidth=1.0, zorder=3.4, label=f"EN 1991-4, discharge, its {code.solid.title}",
     )  # fmt: skip

@@ -16,6 +16,7 @@ from taichi_silo.show import html
 from taichi_silo.show.figures import plot_run
 from taichi_silo.show.report import tables
 from taichi_silo.show.report.drawing import drawing
+from taichi_silo.show.report.eurocode import EurocodeReport
 from taichi_silo.show.report.key import in_one_sentence, key_numbers
 from taichi_silo.show.report.parameters import parameter_tables
 from taichi_silo.show.report.story import story
@@ -104,6 +105,7 @@ def page(run: Result, trouble: Sequence[str] = ()) -> str:
         forces=tables.force_table(run),
         stresses=tables.stress_table(run),
         hopper=tables.hopper_table(run),
+        code=EurocodeReport.of(run.scene),
         wall_zones=tables.wall_zone_table(run),
         inner_zones=tables.inner_zone_table(run),
         inner=run.summary.get("zones_inside") or {},

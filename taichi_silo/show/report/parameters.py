@@ -8,7 +8,8 @@ from taichi_silo.scene import reference
 
 TITLES = {
     "silo": "Silo", "sand": "Sand", "walls": "Walls", "grid": "Grid and points", "averaging": "Non-local average",
-    "filling": "Filling", "flow": "Flow", "method": "Method", "output": "Output", "machine": "Machine",
+    "filling": "Filling", "flow": "Flow", "method": "Method", "eurocode": "EN 1991-4",
+    "output": "Output", "machine": "Machine",
     "program": "Program",
 }  # fmt: skip
 PROGRAM = {  # what no scene has

@@ -6,6 +6,7 @@ import numpy as np
 
 from taichi_silo.analysis.measure.wall_pressure import HOPPER_CELL_M, cell_mean
 from taichi_silo.analysis.theory.walker import WalkerHopper
+from taichi_silo.runs.eurocode import whose_numbers
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.theories import hopper_of, janssen_of
 from taichi_silo.show.report.states import FORCES, STATES, Force, forces_of, wall_profile
@@ -118,12 +119,12 @@ def stress_table(run: Result) -> ReportTable | None:
     where = "left / right wall" if run.lopsided else "mean of both walls"
     note = f"Wall normal stress in kPa, as a pressure cell of 20 mm reads it, {where}; height above the initial bottom."
     if code:
-        friction, pressure_ratio = code.solid.extremes("wall pressure", code.wall)
+        values = code.values("wall pressure")
         note += (
-            f" EN 1991-4: {code.slenderness} silo, its table's sand on a {code.wall} wall, characteristic values "
-            f"without patch loads. Filling: γ = {code.solid.upper_weight_density_N_per_m3 / 1e3:g} kN/m³, K = "
-            f"{pressure_ratio:.3g}, μ = {friction:.3g}; discharge: C_h = "
-            f"{code.discharge_factors[0]:.3g} times that."
+            f" EN 1991-4: {code.slenderness} silo, its solid {code.solid.title} on a {code.wall} wall, characteristic "
+            f"values without patch loads. Filling: γ = {code.solid.upper_weight_density_N_per_m3 / 1e3:g} kN/m³, K = "
+            f"{values.pressure_ratio:.3g}, μ = {values.wall_friction:.3g}; discharge: C_h = "
+            f"{code.discharge_factors[0]:.3g} times that. {whose_numbers(run.scene)}"
         )
         limits = ((run.summary.get("theory") or {}).get("eurocode") or {}).get("limits") or []
         note += "".join(f" {limit}" for limit in limits)
