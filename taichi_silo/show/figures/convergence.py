@@ -56,6 +56,7 @@ def _values(panel, runs: pd.DataFrame, numbers: pd.DataFrame, name: str) -> None
         panel.plot(1e3 * others["cell_size_m"], factor * others[name], "o", mfc="white", color=REFERENCE,
                    label="with the length of the step before")  # fmt: skip
     panel.set_xlim(0.0, 1.05e3 * main["cell_size_m"].max())
+    panel.ticklabel_format(axis="y", useOffset=False)
     panel.set_title(TITLES[name])
     panel.set_xlabel("size of the cells (mm)")
     panel.set_ylabel(unit if unit != "-" else "")
