@@ -85,7 +85,9 @@ def read_table(file: Path, units: Mapping[str, Units] | None = None, needed: str
     lines = [(n, line) for n, line in lines if not REMARK.match(line)]
     if not lines:
         raise BadInput(f"{file} is empty; its first line must name its columns{needed and f': {needed}'}")
-    separator = max(";\t,", key=lambda mark: sum(mark in line for _, line in lines[:20]))  # the first of the most frequent
+    separator = max(
+        ";\t,", key=lambda mark: sum(mark in line for _, line in lines[:20])
+    )  # the first of the most frequent
     while len(lines) > 1 and _is_preamble(lines, separator):
         remarks.append(lines.pop(0)[1])
     if lines[0][1].count(separator) > MOST_COLUMNS:

@@ -146,5 +146,7 @@ def _ordered(file: Path, kind: str, table: pd.DataFrame) -> Measured:
     found = Measured(file.name, kind, table)
     if table[found.place].isna().any():
         raise BadInput(f"{file} has an empty {found.place}; it must be a number in every row")
+    if table[found.quantities].isna().all(axis=None):
+        raise BadInput(f"{file} has no values of {', '.join(found.quantities)}; it must have at least one")
     groups = [found.place, "state", "wall"] if kind == "profile" else [found.place]
     return Measured(file.name, kind, table.groupby(groups, as_index=False, sort=True).mean())
