@@ -17,6 +17,7 @@ COMMANDS = (
     "export",
     "gallery",
     "sweep",
+    "calibrate",
     "drawing",
     "doctor",
 )  # in the order of the help

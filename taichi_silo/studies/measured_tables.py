@@ -138,14 +138,14 @@ def text_of(file: Path) -> str:
 
 
 def divided(title: str, known: Mapping[str, str]) -> tuple[str, str]:
-    """The name in a title, and its unit as it stands there ("" if none): strain [%], q (kPa), height_mm, stress, kPa."""
+    """The name in a title and its unit, "" if none: strain [%], q (kPa), height_mm, stress, kPa."""
     if brackets := BRACKETS.match(title):
         return brackets[1], brackets[2]
     for key in sorted(known, key=len, reverse=True):
         head, end = title[: -len(key)], title[len(title) - len(key) :]
-        if end.casefold() == key and (not key[0].isalnum() or head[-1:] in ("_", " ", ",", "/")):
-            if bare := head.rstrip("_ ,/"):
-                return bare, end
+        apart = not key[0].isalnum() or head[-1:] in ("_", " ", ",", "/")
+        if end.casefold() == key and apart and (bare := head.rstrip("_ ,/")):
+            return bare, end
     return title, ""
 
 

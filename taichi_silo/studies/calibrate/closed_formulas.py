@@ -1,8 +1,8 @@
 """First values of the constants by closed formulas.
 
 Sources: E. Bauer, Soils Found. 36 (1996) 13-26, for the compression curve; I. Herle, G. Gudehus, Mech. Cohes.-Frict.
-Mater. 4 (1999) 461-486, for the rest. Their formulas of alpha and beta are for another version of the law; here both are
-derived anew from this law's own operators.
+Mater. 4 (1999) 461-486, for the rest. Their formulas of alpha and beta are for another version of the law; here both
+are derived anew from this law's own operators.
 """
 
 import math
@@ -14,7 +14,8 @@ from taichi_silo.studies.calibrate.lab_tests import Laboratory, Oedometer, Triax
 from taichi_silo.studies.calibrate.paths import Law
 
 USUAL = {  # where no test says anything: about the middle of the published sands
-    "critical_friction_angle_deg": 32.0, "granular_hardness_Pa": 1.5e9, "n": 0.3, "e_c0": 0.9, "alpha": 0.15, "beta": 1.3,
+    "critical_friction_angle_deg": 32.0, "granular_hardness_Pa": 1.5e9, "n": 0.3, "e_c0": 0.9, "alpha": 0.15,
+    "beta": 1.3,
 }  # fmt: skip
 LOOSEST, DENSEST = 1.15, 0.62  # e_i0 over e_max after Herle and Gudehus; mean e_d0 over e_c0 of the published sands
 CLEAR = 1.0  # [deg] by which a peak must be above the critical angle

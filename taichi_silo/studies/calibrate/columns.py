@@ -14,8 +14,8 @@ UNITS = {"stress": STRESS, "strain": STRAIN, "angle": ANGLE, "density": DENSITY,
 
 WORDS: dict[str, tuple[Units, str]] = {  # quantity: its units, and what it is called; a name less all but letters
     "axial_strain": (
-        STRAIN, "axial strain, eps1, eps a, epsilon1, epsilon a, vertical strain, strain, axialdehnung, axiale dehnung, "
-        "stauchung, axiale stauchung",
+        STRAIN, "axial strain, eps1, eps a, epsilon1, epsilon a, vertical strain, strain, axialdehnung, "
+        "axiale dehnung, stauchung, axiale stauchung",
     ),
     "log_strain": (STRAIN, "log axial strain, logarithmic axial strain, true axial strain, eps1 log, axial strain log"),
     "volume_strain": (

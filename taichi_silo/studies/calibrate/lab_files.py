@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from taichi_silo.errors import BadInput
-from taichi_silo.studies.calibrate.columns import STRAIN, UNITS, WORDS, quantity
+from taichi_silo.studies.calibrate.columns import UNITS, WORDS, quantity
 from taichi_silo.studies.calibrate.lab_tests import IndexTests, Laboratory, Oedometer, Triaxial
 from taichi_silo.studies.measured_tables import factor_of, read_table
 from taichi_silo.utils import bounded_reading
@@ -14,6 +14,8 @@ from taichi_silo.utils.messages import shown
 ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".asc")
 MOST_FILES = 200
 LEAST_STRESS_Pa = 500.0  # below which a reading of an oedometer is one of the bare sample
+KEPT = 0.1  # change of the cell pressure over itself
+OTHERS = ("extension", "undrained", "undräniert")
 INDEX = {
     "friction_angle": "friction_angle_deg", "e_min": "e_min", "e_max": "e_max",
     "grain_density": "grain_density_kg_per_m3", "d50": "d50_m",
@@ -67,6 +69,10 @@ class LabFile:
     def __init__(self, file: Path):
         table = read_table(file, UNITS, NEEDED)
         self.file, self.heads, self.remarks = table.file, table.heads, list[str]()
+        self._turned = 1.0  # -1 where compression is negative
+        for word in OTHERS:
+            if any(word in text.casefold() for text in (self.file.name, *table.remarks)):
+                raise BadInput(f"{self.file} says that it is {word}; it must be a drained test in compression")
         self.columns: dict[str, np.ndarray] = {}
         self.stated: dict[str, float] = {}
         self.grain_density = 0.0
@@ -104,13 +110,13 @@ class LabFile:
         return any(name in self.columns or name in self.stated for name in (*INDEX, "densest", "loosest"))
 
     def is_sheared(self) -> bool:
-        """Whether it is a triaxial test: a deviator, or a cell pressure beside the axial stress."""
-        return "deviator" in self.columns or "cell_pressure" in self.columns or "cell_pressure" in self.stated
+        """Whether it is a triaxial test: a deviator, or a kept cell pressure beside the axial stress."""
+        return "deviator" in self.columns or "cell_pressure" in self.stated or self._kept()
 
     def add_index(self, index: IndexTests) -> None:
         """Take over what it says of index tests."""
-        for name, where in INDEX.items():
-            getattr(index, where).extend(self._values(name))
+        for name, field in INDEX.items():
+            getattr(index, field).extend(self._values(name))
         grains = self._values("grain_density") or index.grain_density_kg_per_m3
         for name, where in (("densest", index.e_min), ("loosest", index.e_max)):
             for density in self._values(name, None):
@@ -156,14 +162,15 @@ class LabFile:
             deviator = self._compressive(self.columns["axial_stress"]) - cell
         e = self._first_void_ratio()
         if self.has("volume_strain", "dilation"):
-            volume = self.columns["volume_strain"] if self.has("volume_strain") else -self.columns["dilation"]
-            volume = volume * (self._turned if self.has("volume_strain") else 1.0)
+            turned = self.has("volume_strain")
+            volume = self._turned * self.columns["volume_strain"] if turned else -self.columns["dilation"]
         elif self.has("void_ratio"):
             volume = (e - self.columns["void_ratio"]) / (1.0 + e)
         else:
             volume = np.full(len(strain), np.nan)
         known = np.isfinite(strain) & (np.isfinite(deviator) | np.isfinite(volume))
-        test = Triaxial(self.file.name, cell, e, strain[known], deviator[known], volume[known])
+        sure = not self.has("volume_strain")
+        test = Triaxial(self.file.name, cell, e, strain[known], deviator[known], volume[known], sure)
         self._enough(int((test.loading & np.isfinite(test.deviator_Pa)).sum()), "first loading")
         return test
 
@@ -203,16 +210,14 @@ class LabFile:
             p, q = (self._compressive(self.columns[name]) for name in ("mean_stress", "deviator"))
             self.columns["cell_pressure"] = p - q / 3.0
         value = self._one("cell_pressure", "cell pressure [kPa]")
-        spread = (
-            np.ptp(self.columns["cell_pressure"][np.isfinite(self.columns["cell_pressure"])])
-            if self.has("cell_pressure")
-            else 0.0
-        )
-        if spread > 0.1 * abs(value):
-            raise BadInput(
-                f"{self.file}: the cell pressure changes by {spread:g} Pa; it must be kept, as in a drained test"
-            )
+        if self.has("cell_pressure") and not self._kept():
+            raise BadInput(f"{self.file}: the cell pressure changes; it must be kept, as in a usual drained test")
         return self._checked("cell_pressure", abs(value))
+
+    def _kept(self) -> bool:
+        """Whether there is a column of the cell pressure, and it hardly changes."""
+        values = np.abs(self._values("cell_pressure", None)) if self.has("cell_pressure") else np.array([])
+        return len(values) > 0 and bool(np.ptp(values) <= KEPT * values.mean())
 
     def _first_void_ratio(self) -> float:
         """Void ratio at the begin: given, stated, from the dry density, or the first of the column."""

@@ -29,6 +29,7 @@ class Triaxial:
     strain: np.ndarray  # axial, logarithmic
     deviator_Pa: np.ndarray  # q, axial less radial stress
     volume_strain: np.ndarray  # loss of volume over the first volume
+    sign_known: bool = True  # of the volume strain, by the name of its column
 
     @property
     def loading(self) -> np.ndarray:
@@ -64,7 +65,7 @@ class Laboratory:
     @property
     def names(self) -> list[str]:
         """Names of the files with curves."""
-        return [test.name for test in (*self.oedometers, *self.triaxials)]
+        return [one.name for one in self.oedometers] + [one.name for one in self.triaxials]
 
 
 def beyond_all_before(values: np.ndarray) -> np.ndarray:

@@ -102,8 +102,8 @@ def _operators(law: Any, axial: np.ndarray, radial: np.ndarray, e: np.ndarray) -
 def _follow(rates: Callable[..., tuple], turns: np.ndarray, stress: np.ndarray, e: np.ndarray) -> Curve:
     """A path by its rates, which take control, stress, void ratio, and 1 in loading, -1 in unloading.
 
-    The rule of third order by Bogacki and Shampine (1989) and its error estimate; all paths take the same share of their
-    way in a step, so that neighbouring sets of constants have the same error.
+    The rule of third order by Bogacki and Shampine (1989) and its error estimate; all paths take the same share of
+    their way in a step, so that neighbouring sets of constants have the same error.
     """
     found: list[tuple] = []
     with np.errstate(all="ignore"):  # what is no number is left to the caller
