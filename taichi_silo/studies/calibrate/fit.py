@@ -3,16 +3,18 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 from scipy.stats import t as student
 
 from taichi_silo.studies.calibrate.closed_formulas import Guess
 from taichi_silo.studies.calibrate.constants import HIGH, LOW, NAMES, SPAN, constants_of, interval
 from taichi_silo.studies.calibrate.lab_tests import Laboratory
-from taichi_silo.studies.calibrate.problem import NOISE, SPECIMEN, Problem
+from taichi_silo.studies.calibrate.problem import FREE, NOISE, Problem
 
 LEAST_NOISE = 0.05  # of the noise at first: what no laboratory is better than
-ROUNDS = 3  # of fits, with the noise from the one before
+ROUNDS = 2  # of fits after the first, with the noise from the one before
+ROUGH, EXACT = (1e-3, 15), (1e-7, 60)  # change of the sum of squares at which a search ends, and most evaluations
+LARGER = 1.25
 ENTANGLED = 0.95  # correlation of a pair of constants that trade off
 LEVEL = 0.95
 
@@ -28,24 +30,42 @@ class Fit:
     rank: int  # directions of the eight constants that the tests determine
     entangled: list[tuple[str, str, float]]  # pairs that trade off, with their correlation
     noise: dict[str, float]  # standard deviation of what is left, by kind
-    void_ratios: dict[str, float]  # of the specimens, by file
+    void_ratios: dict[str, float]  # of the specimens at the begin, by file
+    offsets: dict[str, float]  # of measured void ratios in oedometer tests, by file
     evaluations: int
 
 
 def fitted(lab: Laboratory, guess: dict[str, Guess]) -> Fit:
     """The constants that are nearest to all tests, from a first guess."""
     problem = Problem(lab, guess)
-    free = np.full(problem.tests, 10.0 * SPECIMEN)
-    x = np.concatenate([problem.first, np.zeros(problem.tests)])
+    free = np.full(len(problem.spread), FREE)
     bounds = np.concatenate([LOW, -free]), np.concatenate([HIGH, free])
-    for _ in range(ROUNDS):
-        problem.kept = None
-        x = least_squares(
+
+    def nearest(x: np.ndarray, exact: float, most: int) -> OptimizeResult:
+        return least_squares(
             lambda x: problem.evaluated(x)[0], x, lambda x: problem.evaluated(x)[1], bounds=bounds,
-            x_scale=np.concatenate([SPAN, free]), xtol=1e-6, ftol=1e-7, max_nfev=60,
-        ).x  # fmt: skip
+            x_scale=np.concatenate([SPAN, free]), xtol=1e-6, ftol=exact, max_nfev=most,
+        )  # fmt: skip
+
+    starts = [np.concatenate([start, np.zeros(len(free))]) for start in _starts(problem.first)]
+    x = min((nearest(start, *ROUGH) for start in starts), key=lambda found: found.cost).x
+    for _ in range(ROUNDS):
         _estimate_noise(problem, x)
+        x = nearest(x, *EXACT).x
+    _estimate_noise(problem, x)
     return _judged(problem, x)
+
+
+def _starts(first: np.ndarray) -> list[np.ndarray]:
+    """Where the search begins: at the first values, and with a larger e_i0 and a smaller h_s.
+
+    Above e_i the law is as at e_i, so that a search that comes there from below may stay there.
+    """
+    other = first.copy()
+    other[NAMES.index("e_i0")] *= LARGER
+    other[NAMES.index("granular_hardness_Pa")] -= 1.0
+    edge = 1e-6 * SPAN
+    return [first, np.clip(other, LOW + edge, HIGH - edge)]
 
 
 def _estimate_noise(problem: Problem, x: np.ndarray) -> None:
@@ -65,9 +85,9 @@ def _judged(problem: Problem, x: np.ndarray) -> Fit:
     """How far the constants are known: from the tests alone, without what holds them to their first values."""
     _, slopes = problem.evaluated(x)
     count, data = len(NAMES), sum(problem.rows)
-    weights = np.ones(len(slopes))
+    weights = np.ones(data + problem.knowledge)
     weights[:data] = np.concatenate([np.full(len(one), 1.0 / _follows(one)) for one in problem.residuals(x)])
-    scaled = (slopes * weights[:, None])[:-count] * np.concatenate([SPAN, np.ones(problem.tests)])
+    scaled = slopes[: len(weights)] * weights[:, None] * np.concatenate([SPAN, np.ones(len(problem.spread))])
     information = scaled.T @ scaled
     covariance = np.linalg.inv(information + 1e-6 * np.eye(len(information)))[:count, :count]
     factor = float(student.ppf(0.5 + 0.5 * LEVEL, max(data - count, 1)))
@@ -89,6 +109,10 @@ def _judged(problem: Problem, x: np.ndarray) -> Fit:
         entangled=entangled,
         noise={kind: problem.noise[kind] for kind in dict.fromkeys(problem.kinds)},
         void_ratios=dict(zip(problem.lab.names, _void_ratios(problem, x), strict=True)),
+        offsets={
+            test.name: float(shift)
+            for test, shift in zip(problem.lab.oedometers, x[count + problem.tests :], strict=True)
+        },
         evaluations=problem.evaluations,
     )
 
@@ -97,7 +121,7 @@ def _void_ratios(problem: Problem, x: np.ndarray) -> list[float]:
     firsts = [float(one.void_ratio[0]) for one in problem.lab.oedometers] + [
         t.void_ratio for t in problem.lab.triaxials
     ]
-    return [first + float(shift) for first, shift in zip(firsts, x[len(NAMES) :], strict=True)]
+    return [first + float(shift) for first, shift in zip(firsts, x[len(NAMES) :], strict=False)]
 
 
 def _follows(left: np.ndarray) -> float:

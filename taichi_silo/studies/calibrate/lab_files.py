@@ -202,6 +202,7 @@ class LabFile:
         if "porosity" in self.columns:
             n = self.columns["porosity"]
             return n / (1.0 - n)
+        assert strain is not None
         return (1.0 + self._first_void_ratio()) * np.exp(-strain) - 1.0
 
     def _cell(self) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 
 from taichi_silo.show.figures.calibration import Compression, Shearing
 from taichi_silo.studies.calibrate.closed_formulas import jaky
+from taichi_silo.studies.calibrate.fit import Fit
 from taichi_silo.studies.calibrate.lab_tests import Laboratory, Oedometer, Triaxial
 from taichi_silo.studies.calibrate.paths import Curve, Law, oedometer, triaxial
 
@@ -14,21 +15,22 @@ MOST_TURNS = 20
 OPPOSITE = -0.5  # correlation of a volume strain with what the law gives, below which its sign is the other one
 
 
-def compressions(lab: Laboratory, constants: dict[str, float], void_ratios: dict[str, float]) -> list[Compression]:
-    """Measured and computed curves of the oedometer tests."""
+def compressions(lab: Laboratory, fit: Fit) -> list[Compression]:
+    """Measured and computed curves of the oedometer tests, the latter with the offset of the former."""
     found = []
     for test in lab.oedometers:
-        control, _, e = followed_oedometer(test, constants, void_ratios[test.name])
+        control, _, e = followed_oedometer(test, fit.constants, fit.void_ratios[test.name])
+        e = e + fit.offsets[test.name]
         found.append(Compression(test.name, test.stress_Pa, test.void_ratio, test.loading, np.exp(control), e))
     return found
 
 
-def shearings(lab: Laboratory, constants: dict[str, float], void_ratios: dict[str, float]) -> list[Shearing]:
+def shearings(lab: Laboratory, fit: Fit) -> list[Shearing]:
     """Measured and computed curves of the triaxial tests."""
     found = []
     for test in lab.triaxials:
-        first = void_ratios[test.name]
-        strain, axial, e = followed_triaxial(test, constants, first)
+        first = fit.void_ratios[test.name]
+        strain, axial, e = followed_triaxial(test, fit.constants, first)
         label = f"{test.name}: {test.cell_Pa / 1e3:.0f} kPa, $e_0$ = {first:.3f}"
         measured = (test.strain, test.deviator_Pa, test.volume_strain)
         found.append(Shearing(label, *measured, strain, axial - test.cell_Pa, 1.0 - (1.0 + e) / (1.0 + first)))

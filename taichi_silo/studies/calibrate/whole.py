@@ -155,8 +155,8 @@ def _left(found: Calibration, folder: Path) -> Calibration:
     fit, lab = found.fit, found.laboratory
     figures = draw_all(
         {
-            "compression": lambda _: compression_figure(compressions(lab, fit.constants, fit.void_ratios)),
-            "shearing": lambda _: shearing_figure(shearings(lab, fit.constants, fit.void_ratios)),
+            "compression": lambda _: compression_figure(compressions(lab, fit)),
+            "shearing": lambda _: shearing_figure(shearings(lab, fit)),
         },
         None, folder,
     )  # fmt: skip
