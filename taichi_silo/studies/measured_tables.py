@@ -53,7 +53,7 @@ class MeasuredTable:
         """Numbers that are stated above the columns or in remarks ("cell pressure: 100 kPa"): value and unit."""
         found = {}
         for remark in self.remarks:
-            if match := STATED.match(remark):
+            if (match := STATED.match(remark)) and is_number(match[2]):
                 name, number, unit = match.groups()
                 found[name.strip(" =:;,\t")] = (value_of(number, ";", remark), unit.strip("[]()"))
         return found
@@ -88,7 +88,8 @@ def read_table(file: Path, units: Mapping[str, Units] | None = None, needed: str
     separator = max(
         ";\t,", key=lambda mark: sum(mark in line for _, line in lines[:20])
     )  # the first of the most frequent
-    while len(lines) > 1 and _is_preamble(lines, separator):
+    known = {unit.casefold(): unit for group in (units or {}).values() for unit in group}
+    while len(lines) > 1 and _is_preamble(lines, separator, known):
         remarks.append(lines.pop(0)[1])
     if lines[0][1].count(separator) > MOST_COLUMNS:
         many = lines[0][1].count(separator) + 1
@@ -102,7 +103,6 @@ def read_table(file: Path, units: Mapping[str, Units] | None = None, needed: str
         heads.pop()
     if len(rows) != len(lines) - 1:
         raise BadInput(f"{file} has line breaks within quotes; it must have one row a line")
-    known = {unit.casefold(): unit for group in (units or {}).values() for unit in group}
     names, found = zip(*(divided(head, known) for head in heads), strict=True)
     numbers = [number for number, _ in lines[1:]]
     if rows and not any(found) and (row := _units_row(rows[0], known)):
@@ -198,12 +198,18 @@ def is_number(cell: str) -> bool:
         return False
 
 
-def _is_preamble(lines: list[tuple[int, str]], separator: str) -> bool:
-    """Whether the first line stands above the columns: a title of one cell, or a name with its value."""
-    first, second = ([cell.strip() for cell in line.split(separator)] for _, line in lines[:2])
+def _is_preamble(lines: list[tuple[int, str]], separator: str, known: Mapping[str, str]) -> bool:
+    """Whether the first line stands above the columns.
+
+    It is a title of one cell, a name with its value, or a line without units above another without numbers.
+    """
+    first, second, *rest = ([cell.strip(' "') for cell in line.split(separator)] for _, line in lines[:3])
     if len(first) > 1 and not is_number(first[0]) and is_number(first[1]):
         return True
-    return not any(first[1:]) and sum(map(bool, second)) > 1
+    if not any(first[1:]) and sum(map(bool, second)) > 1:
+        return True
+    titled = not any(divided(cell, known)[1] for cell in first) and any(divided(cell, known)[1] for cell in second)
+    return titled and not _units_row(second, known) and bool(rest) and is_number(rest[0][0])
 
 
 def _units_row(row: list[str], known: Mapping[str, str]) -> list[str]:

@@ -4,6 +4,7 @@ Kernels take the constants of a law as constants of compilation. Here they may b
 are followed at once; there is no second copy of any formula.
 """
 
+import dataclasses
 import functools
 import math
 import types
@@ -62,18 +63,18 @@ def law_on_arrays(law: type) -> type:
     fields = getattr(law, HIDDEN)
 
     def begin(self: Any, **constants: Any) -> None:
-        for name, field in fields.items():
-            setattr(self, name, constants.pop(name, field.default))
-        if constants:
-            raise TypeError(f"{law.__name__} has no {next(iter(constants))}")
+        known = {name: field.default for name, field in fields.items()} | constants
+        wrong = [name for name, value in known.items() if name not in fields or value is dataclasses.MISSING]
+        if wrong:
+            raise TypeError(f"{law.__name__} has no {wrong[0]}, or needs it")
+        for name, value in known.items():
+            setattr(self, name, value)
 
     members: dict[str, Any] = {"__init__": begin, "__doc__": f"{law.__name__} on arrays."}
     for name, value in vars(law).items():
         if isinstance(value, property):
             members[name] = functools.cached_property(on_arrays(value.fget))  # type: ignore[arg-type]
             members[name].__set_name__(None, name)
-        elif name not in fields and callable(value) and not name.startswith("__"):
-            members[name] = on_arrays(value)
-        elif name.isupper():
-            members[name] = value
+        elif name not in fields and not name.startswith("_"):
+            members[name] = on_arrays(value) if isinstance(value, types.FunctionType) else value
     return type(f"{law.__name__}OnArrays", (), members)

@@ -237,11 +237,8 @@ class LabFile:
         """The mean of what should be one value, in a column or stated above the columns."""
         values = self._values(name, None)
         if not values:
-            example = (
-                f"# {words.split(' [')[0]} = 0.65"
-                if "void" in words
-                else f"# {words.replace(' [', ' = 100 ').rstrip(']')}"
-            )
+            bare, _, unit = words.partition(" [")
+            example = f"# {bare.split(' (')[0]} = {'100 ' + unit.rstrip(']') if unit else 0.65}"
             raise BadInput(f"{self.file} has no {words}; give a column, or a line such as {example}")
         return float(np.mean(values))
 

@@ -88,8 +88,8 @@ class Calibration:
             found.append(f"The tests determine {fit.rank} of {len(SHOWN)} directions of the constants.")
         for name in fit.undetermined:
             found.append(
-                f"{SYMBOLS[name]} is not determined: its interval is wider than its range; it stays near its first "
-                f"value ({self.guess[name].source})."
+                f"{SYMBOLS[name]} is not determined: its interval is wider than its range; its first value, "
+                f"{self.guess[name].value:.4g} ({self.guess[name].source}), is as good."
             )
         found += [f"{SYMBOLS[name]} lies at the end of its range." for name in fit.at_bound]
         for one, other, share in fit.entangled:
