@@ -9,14 +9,13 @@ from PIL import Image
 
 import taichi_silo as ts
 from taichi_silo.cli import app
-from taichi_silo.errors import BadInput
 from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.mpm.laws.stress_point import StressPoint
 from taichi_silo.scene import sands
 from taichi_silo.studies.calibrate.closed_formulas import alpha_of_peak, beta_of_stiffness, compression, first_guess
 from taichi_silo.studies.calibrate.fit import _follows, fitted
 from taichi_silo.studies.calibrate.lab_tests import IndexTests, Laboratory, Oedometer
-from taichi_silo.studies.calibrate.model_curves import turning_points
+from taichi_silo.studies.calibrate.model_curves import followed_oedometer, turning_points
 from taichi_silo.studies.calibrate.paths import Law, oedometer, triaxial
 from taichi_silo.studies.element_tests import TESTS, through_point
 from validation.calibration import case, laboratory, true_constants
@@ -165,6 +164,15 @@ def test_turning_points_are_those_of_load_and_unload_and_not_of_noise():
     noisy = values + 0.05 * np.sin(100.0 * np.arange(80))
     assert turning_points(noisy) == pytest.approx([0.0, 10.0, 4.0, 12.0], abs=0.1)
     assert turning_points(np.linspace(0, 1, 5)).tolist() == [0.0, 1.0]
+
+
+def test_the_curve_beside_an_oedometer_test_unloads_where_the_test_does():
+    stress = np.array([50e3, 100e3, 200e3, 400e3, 200e3, 100e3])
+    control, _, e = followed_oedometer(Oedometer("a", stress, np.full(6, 0.7)), KARLSRUHE, 0.7)
+    top = np.argmax(control)
+    assert np.exp(control[[0, top, -1]]) == pytest.approx([50e3, 400e3, 100e3])
+    assert (np.diff(e[: top + 1]) <= 0.0).all()
+    assert e[top] < e[-1] < 0.5 * (e[0] + e[top])  # sand regains little of what it has lost
 
 
 # the command

@@ -20,7 +20,8 @@ OEDOMETERS = {
     "compression negative": "axial stress [kPa],void ratio\n-50,0.80\n-100,0.79\n-200,0.78\n",
     "no values": "axial stress [kPa],void ratio\n0,0.81\n50,0.80\n80,NaN\n90,\n100,0.79\n200,0.78\n",
     "porosity": "axial stress [kPa],porosity [%]\n50,44.444444\n100,44.134078\n200,43.820225\n",
-    "title and remarks": "Quarry 7, test 3\n% dry\n// by hand\naxial stress [kPa],void ratio\n50,0.80\n100,0.79\n200,0.78\n",
+    "title and remarks": "Quarry 7, test 3\n% dry\n// by hand\naxial stress [kPa],void ratio\n50,0.80\n"
+    "100,0.79\n200,0.78\n",
     "strain": "% e0: 0.80\naxial stress [kPa],axial strain [%]\n50,0\n100,0.5555556\n200,1.1111111\n",
     "settlement": "e0;0,80\nh0;20;mm\naxial stress [kPa];settlement [mm]\n50;0\n100;0,1111111\n200;0,2222222\n",
     "radial stress": "axial stress [kPa],radial stress [kPa],void ratio\n50,25,0.80\n100,50,0.79\n200,100,0.78\n",
@@ -32,13 +33,18 @@ TRIAXIALS = {
     "fractions": HEAD + "eps_1 [-],q [MPa],eps_v [-]\n0.01,0.2,0.001\n0.02,0.3,-0.005\n0.03,0.35,-0.01\n",
     "compression negative": HEAD + "axial strain [%],q [kPa],eps_v [%]\n-1,-200,-0.1\n-2,-300,0.5\n-3,-350,1.0\n",
     "dilation": HEAD + "axial strain [%],q [kPa],dilation [%]\n1,200,-0.1\n2,300,0.5\n3,350,1.0\n",
-    "columns": "axial strain [%],sigma1 [kPa],sigma3 [kPa],e0,eps_v [%]\n1,300,100,0.6,0.1\n2,400,100,0.6,-0.5\n3,450,100,0.6,-1\n",
-    "p and q": "# e0 = 0.6\naxial strain [%],p [kPa],q [kPa],eps_v [%]\n1,166.6667,200,0.1\n2,200,300,-0.5\n3,216.66667,350,-1\n",
-    "void ratio": "# cell pressure 100 kPa\n# e0 0.6\naxial strain [%],q [kPa],void ratio\n1,200,0.5984\n2,300,0.608\n3,350,0.616\n",
-    "logarithmic": HEAD + "log axial strain [-],q [kPa],eps_v [%]\n0.01005034,200,0.1\n0.02020271,300,-0.5\n0.03045921,350,-1\n",
+    "columns": "axial strain [%],sigma1 [kPa],sigma3 [kPa],e0,eps_v [%]\n1,300,100,0.6,0.1\n"
+    "2,400,100,0.6,-0.5\n3,450,100,0.6,-1\n",
+    "p and q": "# e0 = 0.6\naxial strain [%],p [kPa],q [kPa],eps_v [%]\n1,166.6667,200,0.1\n"
+    "2,200,300,-0.5\n3,216.66667,350,-1\n",
+    "void ratio": "# cell pressure 100 kPa\n# e0 0.6\naxial strain [%],q [kPa],void ratio\n1,200,0.5984\n"
+    "2,300,0.608\n3,350,0.616\n",
+    "logarithmic": HEAD + "log axial strain [-],q [kPa],eps_v [%]\n0.01005034,200,0.1\n"
+    "0.02020271,300,-0.5\n0.03045921,350,-1\n",
     "density": "# cell pressure = 100 kPa\n# dry density = 1.65625 g/cm3\n# grain density = 2.65 g/cm3\n"
     "axial strain [%],q [kPa],eps_v [%]\n1,200,0.1\n2,300,-0.5\n3,350,-1\n",
-    "German": "Zelldruck;100;kPa\ne0;0,60\nAxialdehnung [%];Deviatorspannung [kPa];Volumendehnung [%]\n1;200;0,1\n2;300;-0,5\n3;350;-1\n",
+    "German": "Zelldruck;100;kPa\ne0;0,60\nAxialdehnung [%];Deviatorspannung [kPa];Volumendehnung [%]\n"
+    "1;200;0,1\n2;300;-0,5\n3;350;-1\n",
 }  # fmt: skip
 
 
@@ -70,7 +76,8 @@ def test_encodings_of_spreadsheets_are_known(tmp_path, encoding):
 
 
 def test_index_tests_are_read_with_densities_as_void_ratios(tmp_path):
-    text = "angle of repose [°],rho_max [g/cm3],rho_min [g/cm3],grain density [t/m3],d50 [mm]\n33.0,1.767,1.395,2.65,0.4\n34,,,,\n"
+    text = "angle of repose [°],rho_max [g/cm3],rho_min [g/cm3],grain density [t/m3],d50 [mm]\n33,1.767,1.395,2.65,0.4"
+    text += "\n34,,,,\n"
     index = lab(tmp_path, OEDOMETER, "b.csv") and lab(tmp_path, text).index
     assert index.friction_angle_deg == [33.0, 34.0]
     assert index.e_min == pytest.approx([0.49972], abs=1e-5)

@@ -26,6 +26,7 @@ SAND, TABLE = "sand.toml", "calibration.csv"
 FIGURES = ("compression", "shearing")
 PRODUCTS = (SAND, TABLE, *(f"{name}.png" for name in FIGURES))
 USUAL = {"grain_density_kg_per_m3": 2650.0, "d50_m": 0.5e-3}  # where no test says them
+FAR_OFF = {"void ratio": 0.02, "deviator": 0.1, "volume strain": 0.01}  # q over its largest value
 UNITS = {"critical_friction_angle_deg": "deg", "granular_hardness_Pa": "Pa"}
 
 
@@ -94,6 +95,12 @@ class Calibration:
         found += [f"{SYMBOLS[name]} lies at the end of its range." for name in fit.at_bound]
         for one, other, share in fit.entangled:
             found.append(f"{SYMBOLS[one]} and {SYMBOLS[other]} trade off (correlation {share:.2f}).")
+        for kind, size in fit.noise.items():
+            if size > FAR_OFF[kind]:
+                found.append(
+                    f"The law is far from the tests: {kind} by {size:.2g}; are units, signs and specimens right? Look at "
+                    "the figures."
+                )
         for name, usual in (("grain_density_kg_per_m3", "grain density"), ("d50_m", "d50")):
             if not getattr(self.laboratory.index, name):
                 found.append(f"No test gives the {usual}; {SAND} has {USUAL[name]:g}.")

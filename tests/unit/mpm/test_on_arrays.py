@@ -30,7 +30,7 @@ def pulled_back(law: ti.template(), s: vec4, e: real) -> vec4:
 
 
 def states():
-    """Stresses from below the rest stress to 1 MPa, in tension too, void ratios from below e_d to above e_i, strains."""
+    """Stresses from below the rest stress to 1 MPa and in tension; void ratios from below e_d to above e_i; strains."""
     random = np.random.default_rng(5)
     size = 10.0 ** random.uniform(-0.5, 6.0, NUMBER)
     stress = -size * random.uniform(0.05, 1.0, (4, NUMBER)) * np.array([[1.0], [1.0], [1.0], [0.3]])
