@@ -98,8 +98,8 @@ class Calibration:
         for kind, size in fit.noise.items():
             if size > FAR_OFF[kind]:
                 found.append(
-                    f"The law is far from the tests: {kind} by {size:.2g}; are units, signs and specimens right? Look at "
-                    "the figures."
+                    f"The law is far from the tests: {kind} by {size:.2g}; are units, signs and specimens right? "
+                    "Look at the figures."
                 )
         for name, usual in (("grain_density_kg_per_m3", "grain density"), ("d50_m", "d50")):
             if not getattr(self.laboratory.index, name):
