@@ -128,6 +128,8 @@ def test_a_gain_of_volume_counted_as_positive_is_noticed_by_the_law():
         ("# e0=0.6\naxial strain [%],q [kPa],sigma3 [kPa]\n1,2,100\n2,3,150\n3,4,200\n", ["cell pressure changes"]),
         ("rho_max [g/cm3],rho_min [g/cm3]\n1.7,1.4\n", ["no grain density"]),
         ("angle of repose [deg]\n3.3\n", ["friction angle is 3.3 deg", "between 10 and 60"]),
+        (HEAD + "axial strain [%],q [kPa]\n1,0\n2,0\n3,0\n", ["deviator is 0 Pa", "is its unit right?"]),
+        ("rho_max [g/cm3],rho_min [g/cm3],rho_s [g/cm3]\n0,1.4,2.65\n", ["densest is 0 kg/m3"]),
         ("load [kN],way [mm]\n1,2\n", ["load [kN], way [mm]", "axial stress [kPa] with void ratio (oedometer)"]),
         ("", ["is empty", "axial stress [kPa]"]),
     ],
@@ -137,6 +139,11 @@ def test_what_cannot_be_understood_is_refused_with_what_would_do(tmp_path, text,
         lab(tmp_path, text)
     assert all(word in str(caught.value) for word in ["a.csv", *words]), caught.value
     assert not str(caught.value).endswith(".")
+
+
+def test_a_spreadsheet_is_not_passed_over_in_silence(tmp_path):
+    (tmp_path / "triaxial.xlsx").write_bytes(b"PK")
+    assert lab(tmp_path, OEDOMETER).remarks == ["triaxial.xlsx is passed over; save it as CSV"]
 
 
 def test_a_folder_that_is_none_is_refused(tmp_path):

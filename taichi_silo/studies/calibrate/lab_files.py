@@ -11,6 +11,7 @@ from taichi_silo.studies.measured_tables import factor_of, read_table
 from taichi_silo.utils import bounded_reading
 from taichi_silo.utils.messages import shown
 
+SHEETS = (".xlsx", ".xls", ".ods", ".numbers")
 ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".asc")
 MOST_FILES = 200
 LEAST_STRESS_Pa = 500.0  # below which a reading of an oedometer is one of the bare sample
@@ -23,7 +24,8 @@ INDEX = {
 RANGES = {  # of what is plausible, after the units
     "cell_pressure": (100.0, 1e8, "Pa"), "void_ratio": (0.05, 10.0, ""), "friction_angle": (10.0, 60.0, "deg"),
     "e_min": (0.05, 10.0, ""), "e_max": (0.05, 10.0, ""), "grain_density": (100.0, 2e4, "kg/m3"),
-    "d50": (1e-7, 0.5, "m"), "strain": (0.0, 0.8, ""), "stress": (0.0, 1e9, "Pa"),
+    "d50": (1e-7, 0.5, "m"), "strain": (0.0, 0.8, ""), "stress": (0.0, 1e9, "Pa"), "deviator": (1.0, 1e9, "Pa"),
+    "densest": (100.0, 2e4, "kg/m3"), "loosest": (100.0, 2e4, "kg/m3"), "dry_density": (100.0, 2e4, "kg/m3"),
 }  # fmt: skip
 NEEDED = (
     "axial stress [kPa] with void ratio (oedometer), axial strain [%] with q [kPa] and the cell pressure (drained "
@@ -45,7 +47,8 @@ def read_laboratory(folder: Path) -> Laboratory:
         raise BadInput(
             f"lab {folder} has {len(files)} tables; it must have 1 to {MOST_FILES} files {', '.join(ENDINGS)}"
         )
-    oedometers, triaxials, index, remarks = [], [], IndexTests(), []
+    oedometers, triaxials, index = [], [], IndexTests()
+    remarks = [f"{one.name} is passed over; save it as CSV" for one in found if one.suffix.lower() in SHEETS]
     read = [LabFile(file) for file in files]
     for one in read:
         one.add_index(index)
@@ -119,18 +122,18 @@ class LabFile:
             getattr(index, field).extend(self._values(name))
         grains = self._values("grain_density") or index.grain_density_kg_per_m3
         for name, where in (("densest", index.e_min), ("loosest", index.e_max)):
-            for density in self._values(name, None):
+            for density in self._values(name):
                 if not grains:
                     raise BadInput(
                         f"{self.file} has densities but no grain density; it must have grain density [kg/m3] too"
                     )
                 where.append(self._checked("void_ratio", grains[0] / density - 1.0))
 
-    def _values(self, name: str, check: str | None = "") -> list[float]:
-        """The values of a column, or the stated one."""
+    def _values(self, name: str, checked: bool = True) -> list[float]:
+        """The values of a column, or the stated one; in their range if checked."""
         values = self.columns.get(name, np.array([self.stated[name]] if name in self.stated else []))
         found = [float(value) for value in values if np.isfinite(value)]
-        return found if check is None else [self._checked(name, value) for value in found]
+        return [self._checked(name, value) for value in found] if checked else found
 
     def _checked(self, name: str, value: float) -> float:
         low, high, unit = RANGES[name]
@@ -148,8 +151,9 @@ class LabFile:
         known = np.isfinite(stress) & np.isfinite(e) & (stress >= LEAST_STRESS_Pa)
         test = Oedometer(self.file.name, stress[known], e[known])
         self._enough(int(test.loading.sum()), "first loading")
-        for value in (*test.void_ratio, *(test.stress_Pa.max(initial=0.0),)):
-            self._checked("void_ratio" if value < 100.0 else "stress", value)
+        self._checked("stress", float(test.stress_Pa.max()))
+        for value in test.void_ratio:
+            self._checked("void_ratio", float(value))
         return test
 
     def triaxial(self) -> Triaxial:
@@ -172,6 +176,7 @@ class LabFile:
         sure = not self.has("volume_strain")
         test = Triaxial(self.file.name, cell, e, strain[known], deviator[known], volume[known], sure)
         self._enough(int((test.loading & np.isfinite(test.deviator_Pa)).sum()), "first loading")
+        self._checked("deviator", float(np.nanmax(test.deviator_Pa)))
         return test
 
     def _strain(self) -> np.ndarray:
@@ -207,7 +212,7 @@ class LabFile:
 
     def _cell(self) -> float:
         """The kept cell pressure [Pa], given, stated, or from mean stress and deviator."""
-        if not self._values("cell_pressure", None) and {"mean_stress", "deviator"} <= set(self.columns):
+        if not self._values("cell_pressure", checked=False) and {"mean_stress", "deviator"} <= set(self.columns):
             p, q = (self._compressive(self.columns[name]) for name in ("mean_stress", "deviator"))
             self.columns["cell_pressure"] = p - q / 3.0
         value = self._one("cell_pressure", "cell pressure [kPa]")
@@ -217,25 +222,25 @@ class LabFile:
 
     def _kept(self) -> bool:
         """Whether there is a column of the cell pressure, and it hardly changes."""
-        values = np.abs(self._values("cell_pressure", None)) if self.has("cell_pressure") else np.array([])
+        values = np.abs(self._values("cell_pressure", checked=False)) if self.has("cell_pressure") else np.array([])
         return len(values) > 0 and bool(np.ptp(values) <= KEPT * values.mean())
 
     def _first_void_ratio(self) -> float:
         """Void ratio at the begin: given, stated, from the dry density, or the first of the column."""
-        if density := self._values("dry_density", None):
+        if density := self._values("dry_density"):
             if not self.grain_density:
                 raise BadInput(
                     f"{self.file} has a dry density but no grain density; it must have grain density [kg/m3]"
                 )
             return self._checked("void_ratio", self.grain_density / density[0] - 1.0)
         for name in ("first_void_ratio", "void_ratio"):
-            if values := self._values(name, None):
+            if values := self._values(name, checked=False):
                 return self._checked("void_ratio", values[0])
         return self._one("first_void_ratio", "e0 (initial void ratio)")
 
     def _one(self, name: str, words: str) -> float:
         """The mean of what should be one value, in a column or stated above the columns."""
-        values = self._values(name, None)
+        values = self._values(name, checked=False)
         if not values:
             bare, _, unit = words.partition(" [")
             example = f"# {bare.split(' (')[0]} = {'100 ' + unit.rstrip(']') if unit else 0.65}"
