@@ -27,6 +27,7 @@ HOME = {  # of the public names; each is imported when it is first used, which k
     "simulation.record": ("Record",),
     "api": ("named_sand", "read_scene", "resume", "run"),
     "runs.result": ("Result",),
+    "studies.calibrate.whole": ("Calibration", "calibrate"),
     "scene.scene": ("Averaging", "Filling", "Flow", "Machine", "Mesh", "Method", "Output", "Scene", "Walls"),
     "scene.sand": ("IntergranularStrain", "Sand"),
     "simulation.simulation": ("Simulation",),

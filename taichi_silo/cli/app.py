@@ -18,6 +18,7 @@ COMMANDS = (
     "gallery",
     "sweep",
     "converge",
+    "calibrate",
     "drawing",
     "eurocode",
     "doctor",

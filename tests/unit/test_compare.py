@@ -166,12 +166,45 @@ def test_gaps_are_left_out_and_doubles_are_averaged(tmp_path):
     assert found.table["T"].tolist() == [4.0, 6.0]
 
 
+PSI = 6894.757
+AS_THEY_COME = {
+    "line ends of an old machine": ("height_mm,normal_stress_kPa\r50,0.8\r100,0.6\r", "utf-8", [800, 600]),
+    "depth": ("depth_m,normal_stress_kPa\n0.4,0.6\n0.45,0.8\n", "utf-8", [800, 600]),
+    "German": ("Höhe_mm;Normalspannung_kPa\r\n50;0,8\r\n100;0,6\r\n", "utf-8-sig", [800, 600]),
+    "per cent signs": ("% 12.5.2011\nheight_mm,normal_stress_kPa\n50,0.8\n100,0.6\n", "utf-8", [800, 600]),
+    "a minus of typesetters": ("height_mm,normal_stress_kPa\n50,−0.8\n100,0.6\n", "utf-8", [-800, 600]),
+    "no values": ("height_mm,normal_stress_kPa\n50,0.8\n60,NaN\n70,\n80,n/a\n100,0.6\n", "utf-8", [800, 600]),
+    "inches and psi": ("height_in,normal_stress_psi\n2,0.12\n4,0.09\n", "utf-8", [0.12 * PSI, 0.09 * PSI]),
+    "quoted decimal commas": ('"height_mm","normal_stress_kPa"\n"50","0,80"\n"100","0,60"\n', "utf-8", [800, 600]),
+    "powers of ten": ("height_mm;normal_stress_Pa\n50;8,0E+02\n100;6,0E+02\n", "utf-8", [800, 600]),
+    "a row of units": ("height,normal_stress\nmm,kPa\n50,0.8\n100,0.6\n", "utf-8", [800, 600]),
+    "brackets": ("height [mm];normal stress (kPa)\n50;0,8\n100;0,6\n", "utf-8", [800, 600]),
+    "UTF-16": ("height_mm\tnormal_stress_kPa\r\n50\t0,8\r\n100\t0,6\r\n", "utf-16", [800, 600]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", AS_THEY_COME)
+def test_wall_stresses_are_read_as_users_bring_them(tmp_path, kind):
+    text, encoding, stresses = AS_THEY_COME[kind]
+    found = read(table(tmp_path, text.encode(encoding))).above_bottom(0.5).table.dropna(subset=["normal_stress_Pa"])
+    assert found.normal_stress_Pa.tolist() == pytest.approx(stresses)
+    assert found.height_m.tolist() == pytest.approx([0.0508, 0.1016] if "inches" in kind else [0.05, 0.1])
+
+
+def test_depths_are_heights_below_the_surface_of_the_silo(runs, tmp_path):
+    file = table(tmp_path, "depth_m,normal_stress_kPa\n0.4,1.5\n0.3,1.5\n", "cells.csv")
+    found = compared(runs[:1], tmp_path / "out", janssen=False, csv=[file]).deviations
+    assert found.points.tolist() == [2, 2, 2]
+    assert found.begin.tolist() == pytest.approx([0.1] * 3)
+    assert found.rms.tolist() == pytest.approx([500.0] * 3)
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
         ("displacement_mm,P_kN\n1,2\n", ["unknown column P_kN", "did you mean P_kN_per_m"]),
         ("displacement_mm,force\n1,2\n", ["force", "bottom_force", "_kN_per_m", "shear_stress_kPa"]),
-        ("displacement_mm;N_kN/m\n1;2\n", ["unknown column N_kN/m; did you mean N_kN_per_m?"]),
+        ("displacement_mm;N_kN_m\n1;2\n", ["unknown column N_kN_m; did you mean N_kN_per_m?"]),
         ("displacement;N_kN_per_m\n1;2\n", ["unknown column displacement; did you mean displacement_m"]),
         ("displacement_mm;temperature\n1;2\n", ["unknown column temperature; it must have displacement_m"]),
         ("remark;note\n1;2\n", ["it must have displacement_m"]),
@@ -183,7 +216,8 @@ def test_gaps_are_left_out_and_doubles_are_averaged(tmp_path):
         ("height_m,normal_stress_Pa,state\n1,2,emptied\n", ["line 2", "emptied", "filling", "residual"]),
         ("height_m,normal_stress_Pa,wall\n1,2,front\n", ["front", "left, right, both"]),
         ("displacement_mm,P_kN_per_m\n1,2\n3,x\n", ["line 3", "P_kN_per_m is x", "number"]),
-        ("displacement_mm,P_kN_per_m\n1,nan\n", ["line 2", "nan", "number"]),
+        ("displacement_mm,P_kN_per_m\n1,inf\n", ["line 2", "inf", "number"]),
+        ('displacement_mm,P_kN_per_m\n1,"1,234"\n', ["line 2", "1,234", "without a comma"]),
         ("displacement_mm,P_kN_per_m\n0,5,1,2\n", ["line 2", "4 values", "2", "semicolons"]),
         ("displacement_mm;P_kN_per_m\n1\n", ["line 2", "1 values", "2"]),
         ("displacement_mm,P_kN_per_m\n,2\n", ["empty displacement_m"]),

@@ -27,7 +27,8 @@ The contract of a law, a frozen dataclass (so that equal laws share one compiled
 `FORGETS`
     whether sheared sand loses the memory of its stress, so that the patch filter is of use; yes, if absent.
 
-`integrate.update` drives any of them over a step. A new law is one file with these members.
+`integrate.update` drives any of them over a step; `on_arrays.law_on_arrays` runs the same text on NumPy arrays. A new
+law is one file with these members.
 """
 
 from taichi_silo.mpm.laws.elastic import Elastic

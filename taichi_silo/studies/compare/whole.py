@@ -53,6 +53,10 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, csv: list[Path
     measured = [read(file) for file in csv]
     if len({one.place for one in measured if one.kind == "curves"}) > 1:
         raise BadInput("csv: curves are given over displacement and over time; they must all be over one of them")
+    surfaces = {run.scene.silo.height_m for run in runs}
+    if len(surfaces) > 1 and (deep := [one.name for one in measured if one.place == "depth_m"]):
+        raise BadInput(f"csv: {deep[0]} has depths, and the silos are not of one height; it must have height_m")
+    measured = [one.above_bottom(max(surfaces)) for one in measured]
     if len(runs) == 1 and not (janssen or measured):
         raise BadInput("runs: there is 1; it must be 2 or more, or one with --janssen or --csv FILE")
     with as_left(runs[0].folder if len(runs) == 1 else f"one of {len(runs)}"):

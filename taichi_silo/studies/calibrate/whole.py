@@ -1,0 +1,170 @@
+"""A whole calibration: tests read, constants fitted, and left in a folder."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import tomli_w
+
+from taichi_silo.errors import BadInput
+from taichi_silo.runs.run_folder import named, no_link, writable
+from taichi_silo.show.figures import draw_all
+from taichi_silo.show.figures.calibration import compression_figure, shearing_figure
+from taichi_silo.studies.calibrate.closed_formulas import Guess, first_guess
+from taichi_silo.studies.calibrate.constants import SHOWN, SYMBOLS
+from taichi_silo.studies.calibrate.fit import Fit, fitted
+from taichi_silo.studies.calibrate.lab_files import read_laboratory
+from taichi_silo.studies.calibrate.lab_tests import Laboratory
+from taichi_silo.studies.calibrate.model_curves import compressions, shearings, with_signs
+from taichi_silo.utils import atomic_write
+from taichi_silo.utils.bounded_reading import place
+
+SAND, TABLE = "sand.toml", "calibration.csv"
+FIGURES = ("compression", "shearing")
+PRODUCTS = (SAND, TABLE, *(f"{name}.png" for name in FIGURES))
+USUAL = {"grain_density_kg_per_m3": 2650.0, "d50_m": 0.5e-3}  # where no test says them
+FAR_OFF = {"void ratio": 0.02, "deviator": 0.1, "volume strain": 0.01}  # q over its largest value
+UNITS = {"critical_friction_angle_deg": "deg", "granular_hardness_Pa": "Pa"}
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Constants of a sand and how far they are known.
+
+    Attributes
+    ----------
+    name : of the sand, as the folder of its tests.
+    laboratory : the tests as they were read.
+    guess : first values of the constants, each with its source.
+    fit : constants, intervals and what the tests leave open.
+    files : what was written; empty without an output folder.
+
+    """
+
+    name: str
+    laboratory: Laboratory
+    guess: dict[str, Guess]
+    fit: Fit
+    files: list[Path]
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """A row for each constant: value, ends of its interval, whether it is known, first value and its source."""
+        rows = []
+        for name in SHOWN:
+            low, high = self.fit.intervals[name]
+            rows.append({
+                "constant": name, "unit": UNITS.get(name, "-"), "value": self.fit.constants[name], "low": low,
+                "high": high, "known": self.known(name), "first_value": self.guess[name].value,
+                "source": self.guess[name].source,
+            })  # fmt: skip
+        return pd.DataFrame(rows)
+
+    def known(self, name: str) -> str:
+        """Whether the tests determine a constant."""
+        if name in self.fit.undetermined:
+            return "no, interval wider than its range"
+        return "at the end of its range" if name in self.fit.at_bound else "yes"
+
+    @property
+    def sand(self) -> dict[str, Any]:
+        """The table of a sand file."""
+        index = self.laboratory.index
+        means = {name: getattr(index, name) for name in USUAL}
+        return {
+            "title": f"{self.name}, from {len(self.laboratory.names)} laboratory tests",
+            "source": "taichi-silo calibrate",
+            **{name: float(f"{self.fit.constants[name]:.6g}") for name in SHOWN},
+            **{name: float(np.mean(values)) if values else USUAL[name] for name, values in means.items()},
+        }
+
+    @property
+    def words(self) -> list[str]:
+        """What the tests leave open, and how they were read; a sentence each."""
+        fit, found = self.fit, list[str]()
+        if fit.rank < len(SHOWN):
+            found.append(f"The tests determine {fit.rank} of {len(SHOWN)} directions of the constants.")
+        for name in fit.undetermined:
+            found.append(
+                f"{SYMBOLS[name]} is not determined: its interval is wider than its range; its first value, "
+                f"{self.guess[name].value:.4g} ({self.guess[name].source}), is as good."
+            )
+        found += [f"{SYMBOLS[name]} lies at the end of its range." for name in fit.at_bound]
+        for one, other, share in fit.entangled:
+            found.append(f"{SYMBOLS[one]} and {SYMBOLS[other]} trade off (correlation {share:.2f}).")
+        for kind, size in fit.noise.items():
+            if size > FAR_OFF[kind]:
+                found.append(
+                    f"The law is far from the tests: {kind} by {size:.2g}; are units, signs and specimens right? "
+                    "Look at the figures."
+                )
+        for name, usual in (("grain_density_kg_per_m3", "grain density"), ("d50_m", "d50")):
+            if not getattr(self.laboratory.index, name):
+                found.append(f"No test gives the {usual}; {SAND} has {USUAL[name]:g}.")
+        return found + [f"{remark}." for remark in self.laboratory.remarks]
+
+    def as_json(self) -> dict:
+        """All numbers, in SI units."""
+        return {
+            "sand": self.sand, "constants": self.table.to_dict("records"), "rank": self.fit.rank,
+            "trade_off": [{"constants": pair[:2], "correlation": pair[2]} for pair in self.fit.entangled],
+            "noise": self.fit.noise, "void_ratios": self.fit.void_ratios, "remarks": self.words,
+            "files": [str(file) for file in self.files],
+        }  # fmt: skip
+
+
+def calibrate(lab: str | os.PathLike, output: str | os.PathLike | None = None) -> Calibration:
+    """Determine the constants of a sand from laboratory tests.
+
+    Parameters
+    ----------
+    lab : folder of CSV files (or one file) of oedometer and drained triaxial tests, angle of repose, limit densities.
+    output : folder for sand.toml, calibration.csv and figures; an earlier calibration there is replaced. Nothing is
+        written if it is not given.
+
+    Returns
+    -------
+    Constants with intervals of 95 %, and what the tests leave open.
+
+    Raises
+    ------
+    BadInput
+        before any work, if a file cannot be understood or there is no test with a curve.
+
+    """
+    place_ = place(lab, "lab")
+    laboratory = read_laboratory(place_)
+    if not laboratory.names:
+        raise BadInput(f"lab {place_} has no curve; it must have at least an oedometer or a drained triaxial test")
+    target = None
+    if output is not None:
+        target = place(output, "output")
+        no_link(*(target / f"{name}{end}" for name in PRODUCTS for end in ("", ".part")))
+        target = writable(target)
+    guess = first_guess(laboratory)
+    laboratory = with_signs(laboratory, {name: one.value for name, one in guess.items()})
+    guess = first_guess(laboratory)
+    found = Calibration(named(place_), laboratory, guess, fitted(laboratory, guess), [])
+    return found if target is None else _left(found, target)
+
+
+def _left(found: Calibration, folder: Path) -> Calibration:
+    """The calibration with its files."""
+    for name in PRODUCTS:
+        (folder / name).unlink(missing_ok=True)
+    with atomic_write.written(folder / SAND) as passing:
+        passing.write_text(tomli_w.dumps(found.sand), encoding="utf-8")
+    with atomic_write.written(folder / TABLE) as passing:
+        found.table.to_csv(passing, index=False, float_format="%.6g", encoding="utf-8")
+    fit, lab = found.fit, found.laboratory
+    figures = draw_all(
+        {
+            "compression": lambda _: compression_figure(compressions(lab, fit)),
+            "shearing": lambda _: shearing_figure(shearings(lab, fit)),
+        },
+        None, folder,
+    )  # fmt: skip
+    return Calibration(found.name, lab, found.guess, fit, [folder / SAND, folder / TABLE, *figures])
