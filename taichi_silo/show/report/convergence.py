@@ -11,7 +11,7 @@ from taichi_silo.show.report.words import NONE, number, per_cent
 from taichi_silo.utils import atomic_write
 
 UNITS = {"N/m": ("kN/m", 1e-3), "Pa": ("kPa", 1e-3), "m": ("mm", 1e3), "-": ("", 1.0)}
-PARTS = {"grid": "cells", "length": "length of the law", "speed": "speed of the bottom"}
+PARTS = {"grid": "cells", "length": "length of the law", "speed": "speed of the bottom", "time": "rest"}
 CARDS = ("P_residual", "T_residual", "N_residual", "zone_thickness")
 WORDS = {
     "convergence": "Numbers against the size of the cells, with the bands that hold their limits",

@@ -29,7 +29,7 @@ class Number:
     unit: str
     scale: float  # what `relative` is over; nan for the value
     computed: float  # of the finest run
-    parts: Mapping[str, Limit]  # "grid", "length", "speed": of the sums g, l and s
+    parts: Mapping[str, Limit]  # "grid", "length", "speed": of the sums g, l and s; "time": how the finest still changes
 
     @property
     def relative(self) -> float:
@@ -92,9 +92,11 @@ def _number(ladder: Ladder, steps: int, found: Mapping[str, Quantity]) -> Number
     if len(faster) == len(ladder.speeds) > 1:
         parts["speed"] = limit(ladder.speeds, faster, ladder.scene.flow.speed_m_per_s)
         rests["speed"] = parts["speed"].value - faster[-1]
+    last = mains[-1]
+    if last.unsteady:
+        parts["time"] = Limit(last.value, last.unsteady, None, "as it still changes")
     carried = CARRIED * rests.get("speed", 0.0)
     error = math.hypot(carried, *(one.error for one in parts.values()))
-    last = mains[-1]
     return Number(last.value + sum(rests.values()), error, last.unit, last.scale, last.value, parts)
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taichi_silo.analysis.measure.wall_pressure import cell_mean
-from taichi_silo.runs.result import Result
+from taichi_silo.runs.result import Result, residual
 from taichi_silo.show.report.states import discharge_rate_kg_per_s_m
 
 FORCES = {"P": "bottom_N_per_m", "T": "shear_N_per_m", "N": "normal_N_per_m"}
@@ -34,6 +34,7 @@ class Quantity:
     value: float
     unit: str
     scale: float  # what its error is told over; nan for the value itself
+    unsteady: float = 0.0  # by how much its mean still changes with time
 
 
 def quantities(run: Result) -> dict[str, Quantity]:
@@ -41,9 +42,9 @@ def quantities(run: Result) -> dict[str, Quantity]:
     summary, found = run.summary, {}
     weight = summary.get("weight_N_per_m", math.nan)
     for state, table in STATES.items():
-        forces = {name: summary.get(table, {}).get(key) for name, key in FORCES.items()}
+        forces, moving = {name: summary.get(table, {}).get(key) for name, key in FORCES.items()}, _unsteady(run, state)
         for name, value in forces.items():
-            found[f"{name}_{state}"] = Quantity(_number(value), "N/m", weight)
+            found[f"{name}_{state}"] = Quantity(_number(value), "N/m", weight, moving[name])
         found[f"TN_{state}"] = Quantity(_ratio(forces["T"], forces["N"]), "-", math.nan)
     for name, key in EXTREMES.items():
         value = summary.get("peak", {}).get(key, {}).get("value")
@@ -65,6 +66,22 @@ def words(name: str) -> str:
     first, state, *rest = name.split("_")
     at = f" at {100 * float(rest[0]):g} % of the height" if rest else ""
     return f"{WORDS[first]}{at}, {WORDS[state]}"
+
+
+def _unsteady(run: Result, state: str) -> dict[str, float]:
+    """Of each force, how its mean over the span of the state differs from that over the span before [N/m].
+
+    After filling a span is one period of the column, at the end a half of the last 5 % of the displacement.
+    """
+    if state == "filled":
+        rows, count = run.filling, run.scene.output.records_per_period
+    else:
+        rows = residual(run.flow)
+        count = len(rows) // 2
+    last, before = rows.tail(count), rows.iloc[-2 * count : -count]
+    if not count or len(before) < count:
+        return dict.fromkeys(FORCES, 0.0)
+    return {name: abs(float(last[name].mean() - before[name].mean())) for name in FORCES}
 
 
 def _pressures(run: Result, state: str) -> dict[str, Quantity]:

@@ -11,7 +11,7 @@ from taichi_silo.studies.converge.ladder import Ladder
 from taichi_silo.studies.converge.quantities import quantities, words
 from taichi_silo.studies.sweep.runs import Run
 
-PARTS = ("grid", "length", "speed")
+PARTS = ("grid", "length", "speed", "time")
 
 
 def measure(name: str, number: Number) -> str:
@@ -32,7 +32,7 @@ def of_numbers(numbers: Mapping[str, Number]) -> pd.DataFrame:
             row |= {
                 f"{part}_error": math.nan if limit is None else limit.error,
                 f"{part}_order": None if limit is None else limit.order,
-                f"{part}_trust": "the scene's own" if limit is None else limit.trust,
+                f"{part}_trust": "none" if limit is None else limit.trust,
             }
         rows.append(row)
     return pd.DataFrame(rows)
