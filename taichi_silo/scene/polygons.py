@@ -34,6 +34,19 @@ def without_repeats(corners: np.ndarray) -> np.ndarray:
     return corners[np.abs(corners - np.roll(corners, 1, axis=0)).max(axis=1) > SAME] if len(corners) else corners
 
 
+def without_straight(corners: np.ndarray) -> np.ndarray:
+    """Corners (n, 2) of a closed line without those on the straight line between their neighbours."""
+    while len(corners) > 3:
+        before, after = corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners
+        across = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0])
+        turns = (across > SAME * np.hypot(*(before + after).T)) | ((before * after).sum(axis=1) <= 0.0)
+        if turns.all():
+            break
+        first = int(np.argmin(turns))  # one after the other: what is left decides on its neighbours
+        corners = np.delete(corners, first, axis=0)
+    return corners
+
+
 def inside(x: ArrayLike, y: ArrayLike, corners: np.ndarray) -> np.ndarray:
     """Whether points x, y (arrays) [m] lie inside a polygon."""
     return shapely.contains_xy(shapely.Polygon(corners), np.asarray(x, float), np.asarray(y, float))
