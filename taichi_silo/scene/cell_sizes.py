@@ -1,6 +1,5 @@
 """Sizes of square cells that fit a silo: they divide its width and height, and the outlet's edges lie on the grid."""
 
-import math
 from collections.abc import Sequence
 
 import numpy as np

@@ -171,8 +171,8 @@ def _elsewhere(drawing: Any, found: entities.Found) -> str:
         )
     if papers:
         return (
-            f"its lines are in the paper space ({shown(', '.join(papers), 100)}); move them to the model space (in CAD: "
-            "CHSPACE), where a silo is drawn in its size"
+            f"its lines are in the paper space ({shown(', '.join(papers), 100)}); move them to the model space (in "
+            "CAD: CHSPACE), where a silo is drawn in its size"
         )
     if found.others:
         return f"it holds {shown(', '.join(f'{count} {kind}' for kind, count in found.others.most_common(5)), 120)}"
@@ -188,6 +188,6 @@ def _taken(taken: choice.Chosen, count: int, silo: Silo, outline: np.ndarray, un
     wide, high = outline.max(axis=0)
     bodies = f"{len(taken.bodies)} bodies" if len(taken.bodies) != 1 else "1 body"
     return (
-        f"Taken: closed line {taken.number} of {count}, layer {shown(taken.inside.layer)}: {wide:.6g} m wide, {high:.6g} "
-        f"m high, floor from x = {left:.6g} to {right:.6g} m, {bodies}; unit {unit}, {known}"
+        f"Taken: closed line {taken.number} of {count}, layer {shown(taken.inside.layer)}: {wide:.6g} m wide, "
+        f"{high:.6g} m high, floor from x = {left:.6g} to {right:.6g} m, {bodies}; unit {unit}, {known}"
     )

@@ -31,8 +31,8 @@ def drawing(
 ) -> None:
     """Turn a DXF drawing into a scene file: a closed line is the silo's inside, closed lines within are inserts.
 
-    The lowest side is the floor, and the outlet, unless one is added ([silo.outlet]). Lines that meet are joined, blocks
-    taken apart, curves become corners. What was taken is said, and stands at the head of the scene file.
+    The lowest side is the floor, and the outlet, unless one is added ([silo.outlet]). Lines that meet are joined,
+    blocks taken apart, curves become corners. What was taken is said, and stands at the head of the scene file.
 
     Example: taichi-silo drawing bunker.dxf --output bunker.toml
     """

@@ -59,7 +59,7 @@ def outline_of(line: ClosedLine, level_m: float) -> np.ndarray:
     corners = polygons.without_straight(polygons.without_repeats(np.round(corners, DIGITS)))
     if len(corners) > polygons.MOST_CORNERS:
         raise ValueError(f"it has more than {polygons.MOST_CORNERS} corners; draw it with fewer")
-    polygons.sides(tuple((float(x), float(y)) for x, y in corners))
+    polygons.sides(tuple((x, y) for x, y in corners.tolist()))
     return corners
 
 
@@ -101,8 +101,9 @@ def chosen(lines: list[ClosedLine], level_m: float, number: int | None, layers_g
         raise BadInput(f"line is {number}; the drawing has {len(lines)} closed lines, numbered by size, from 1")
     inside = lines[number - 1]
     shape, least = inside.shape, least_m * inside.size_m[0]
-    words, bodies, small, within, crossed = list(inside.done), [], 0, 0, []
-    around = beside = 0
+    bodies: list[ClosedLine] = []
+    crossed: list[ClosedLine] = []
+    words, small, within, around, beside = list(inside.done), 0, 0, 0, 0
     shapely.prepare(shape)
     for one in lines:
         if one is inside:
@@ -125,8 +126,8 @@ def chosen(lines: list[ClosedLine], level_m: float, number: int | None, layers_g
             bodies.append(one)
     if crossed:
         raise Unclear(
-            f"line {_name(lines, crossed[0])} crosses the inside, line {_name(lines, inside)}; bodies stand free of it: "
-            "choose layers with --layer",
+            f"line {_name(lines, crossed[0])} crosses the inside, line {_name(lines, inside)}; bodies stand free of "
+            "it: choose layers with --layer",
             lines,
         )
     for count, what in (
@@ -165,12 +166,16 @@ def _plain(lines: list[ClosedLine], level_m: float, layers_given: bool) -> int:
         share = line.shape.area / shape.area
         if share >= WALL:
             raise Unclear(
-                f"line {_name(lines, line)} fills {share:.0%} of line {_name(lines, outermost)}: is it the inner face of "
-                f"a wall, or a silo in a border (--line {_number(lines, line)}), or a body (--line "
+                f"line {_name(lines, line)} fills {share:.0%} of line {_name(lines, outermost)}: is it the inner face "
+                f"of a wall, or a silo in a border (--line {_number(lines, line)}), or a body (--line "
                 f"{_number(lines, outermost)})?",
                 lines,
             )
-        if _rectangle(outermost) and possible(line, level_m) and _silo_in_border(line, outermost, layers_given):
+        if (
+            _rectangle(outermost)
+            and possible(line, level_m)
+            and _silo_in_border(line, outermost, level_m, layers_given)
+        ):
             raise Unclear(
                 f"line {_name(lines, outermost)} may be a border around the silo, line {_name(lines, line)} (--line "
                 f"{_number(lines, line)} or --layer {shown(line.layer)}), or the silo with a body in it (--line "
@@ -180,12 +185,12 @@ def _plain(lines: list[ClosedLine], level_m: float, layers_given: bool) -> int:
     return _number(lines, outermost)
 
 
-def _silo_in_border(line: ClosedLine, border: ClosedLine, layers_given: bool) -> bool:
+def _silo_in_border(line: ClosedLine, border: ClosedLine, level_m: float, layers_given: bool) -> bool:
     """Whether a line in a rectangle is a silo rather than a body: on its own layer, or tall, or wider above."""
     other_layer = line.layer != border.layer and not layers_given
-    left, right = polygons.sides(tuple(map(tuple, outline_of(line, 0.0)))) if possible(line, 0.0) else (None, None)
-    widens = left is not None and right[-1, 0] - left[-1, 0] > 1.01 * (right[0, 0] - left[0, 0])
-    return line.bridged or other_layer or widens or line.size_m[1] > TALL * border.size_m[1]
+    left, right = polygons.sides(tuple((x, y) for x, y in outline_of(line, level_m).tolist()))
+    widens = right[-1, 0] - left[-1, 0] > 1.01 * (right[0, 0] - left[0, 0])
+    return line.bridged or other_layer or bool(widens) or line.size_m[1] > TALL * border.size_m[1]
 
 
 def _rectangle(line: ClosedLine) -> bool:
@@ -207,7 +212,7 @@ def _list(lines: Sequence[ClosedLine], some: Sequence[ClosedLine]) -> str:
     return f"lines {', '.join(names)}{more}"
 
 
-# --- neighbours that make one silo --------------------------------------------------------------------------------------
+# --- neighbours that make one silo ------------------------------------------------------------------------------------
 
 
 def _once(lines: list[ClosedLine]) -> list[ClosedLine]:

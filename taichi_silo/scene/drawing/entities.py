@@ -88,8 +88,8 @@ def in_plane(lines: list[Line]) -> tuple[int, int]:
         if (spans[:, across] <= small).all():
             return axes
     raise BadInput(
-        "the drawing's lines lie in space, not in one plane; draw the side view in the plane of x and y, or of x and z, "
-        "or choose its layer with --layer"
+        "the drawing's lines lie in space, not in one plane; draw the side view in the plane of x and y, or of x and "
+        "z, or choose its layer with --layer"
     )
 
 

@@ -36,12 +36,8 @@ def fitted(silo: Silo) -> tuple[Silo, float, str]:
         lower = (
             f"; the fill ends {1e3 * (high - filled):.3g} mm below the top, at {filled:.6g} m, so that cells divide it"
         )
-    cells = round(wide / size)
-    return (
-        silo,
-        size,
-        (
-            f"Cells of {1e3 * size:.6g} mm: {cells} across, {narrow / size:.3g} across the narrowest opening of {narrow:.6g} m, "
-            f"{silo.points(size):,} points{lower}"
-        ),
+    words = (
+        f"Cells of {1e3 * size:.6g} mm: {round(wide / size)} across, {narrow / size:.3g} across the narrowest opening of "
+        f"{narrow:.6g} m, {silo.points(size):,} points{lower}"
     )
+    return silo, size, words

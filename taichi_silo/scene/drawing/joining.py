@@ -26,7 +26,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class ClosedLine:
-    """A closed line: its layers, its corners (n, 2) [m], the first not again the last, and what was done to close it."""
+    """A closed line: its layers, its corners (n, 2) [m], the first not again the last, and how it was closed."""
 
     layer: str
     corners: np.ndarray
@@ -173,7 +173,7 @@ def _narrowest(pieces: list[Piece], bridges: list[np.ndarray]) -> tuple[float, f
     apart = np.hypot(*(ends[:, None] - ends[None]).transpose(2, 0, 1))
     np.fill_diagonal(apart, np.inf)
     number = int(apart.min(axis=1).argmin())
-    return float(apart.min()), *map(float, ends[number])
+    return float(apart.min()), float(ends[number, 0]), float(ends[number, 1])
 
 
 def _lids(pieces: list[Piece], bridges: list[np.ndarray], gap: float) -> list[tuple[np.ndarray, str]]:

@@ -98,17 +98,14 @@ def plausible(width_m: float, height_m: float) -> bool:
 def doubts(header: Any, unit: str, width_m: float, height_m: float) -> str:
     """A sentence on a unit that a drawing may not mean, with what another one would make of it; empty if none is."""
     metres = units()
+    sizes = {name: (metres[name] / metres[unit] * width_m, metres[name] / metres[unit] * height_m) for name in COMMON}
     if plausible(width_m, height_m):
         if header.get("$INSUNITS") != INCH or header.get("$MEASUREMENT") != METRIC:
             return ""
-        scale = metres["mm"] / metres[unit]
         return (
             "The drawing says inches, which many programs write unasked, but counts as metric: in millimetres (--unit "
-            f"mm) it would be {width_m * scale:.4g} m x {height_m * scale:.4g} m"
+            f"mm) it would be {sizes['mm'][0]:.4g} m x {sizes['mm'][1]:.4g} m"
         )
-    sizes = ", ".join(
-        f"--unit {name} makes {width_m * metres[name] / metres[unit]:.3g} m x {height_m * metres[name] / metres[unit]:.3g} m"
-        for name in COMMON
-        if plausible(width_m * metres[name] / metres[unit], height_m * metres[name] / metres[unit])
-    )
-    return f"a silo {width_m:.4g} m wide and {height_m:.4g} m high is implausible" + (f": {sizes}" if sizes else "")
+    others = [f"--unit {name} makes {wide:.3g} m x {high:.3g} m" for name, (wide, high) in sizes.items()
+              if plausible(wide, high)]  # fmt: skip
+    return f"a silo {width_m:.4g} m wide and {height_m:.4g} m high is implausible" + "".join(f"; {o}" for o in others)
