@@ -89,13 +89,15 @@ def read_drawing(
     wide, high = map(float, np.ptp(control, axis=0))
     unit, known = units.of_drawing(drawing.header, unit, (wide, high))
     scale = units.units()[unit]
+    if not units.possible(scale * max(wide, high)):
+        raise BadInput(f"unit is {unit}, {known}; {units.doubts(drawing.header, unit, scale * wide, scale * high)}")
     pieces = _pieces(found.lines, axes, scale)
     if not pieces:
         raise BadInput(f"{path} holds no closed line: its lines have no length")
     level = joining.GAP * joining.extent_of(pieces) if gap_m is None else gap_m
-    lines = _closed_lines(path, pieces, gap_m, level)
+    lines, unused = _closed_lines(path, pieces, gap_m, level)
     taken = choice.chosen(lines, level, line, bool(layers), grid.LEAST)
-    outline = choice.outline_of(taken.inside, level)
+    outline = choice.outline_of(taken.inside)
     doubt = units.doubts(drawing.header, unit, *map(float, outline.max(axis=0)))
     if doubt and known != "as given" and not units.plausible(*outline.max(axis=0)):
         raise BadInput(f"unit is {unit}, {known}; {doubt}")
@@ -109,6 +111,7 @@ def read_drawing(
     silo = Silo.polygon(outline, inserts=inserts)
     silo, cell, of_grid = grid.fitted(silo)
     words = [_taken(taken, len(lines), silo, outline, unit, known), *taken.words]
+    words += [f"open lines passed over ({unused})"] if unused else []
     words += [doubt] if doubt else []
     words += ["The drawing's file is damaged: what could be read was taken"] if mended else []
     words += [
@@ -128,26 +131,30 @@ def _pieces(lines: list[entities.Line], axes: tuple[int, int], scale: float) -> 
     for one in lines:
         corners = entities.corners_of(one, axes, scale)
         if len(corners) > 1 and np.ptp(corners, axis=0).max() > 0.0:
-            found.append(joining.Piece(one.layer, corners, bool(one.path.is_closed)))
+            found.append(joining.Piece(one.layer, corners, bool(one.path.is_closed), one.oval))
     return found
 
 
 def _closed_lines(
     path: Path, pieces: list[joining.Piece], gap_m: float | None, level_m: float
-) -> list[choice.ClosedLine]:
+) -> tuple[list[joining.ClosedLine], int]:
     """Closed lines in the order of their numbers: of lines that meet at their ends, else of lines that cross.
+
+    Behind them the number of lines that belong to none.
 
     Raises BadInput if there is none.
     """
     joined = joining.joined(pieces, gap_m)
     lines = choice.numbered(joined.closed, level_m)
-    if not any(choice.possible(one, level_m) for one in lines):
+    silos = [one for one in lines if choice.possible(one)]
+    if all(one.bridged for one in silos):  # a drawn lid goes before one that is put in
         crossing = choice.numbered(joining.crossing(pieces, gap_m), level_m)
-        if any(choice.possible(one, level_m) for one in crossing):
-            return crossing
+        large = max((one.shape.area for one in crossing if choice.possible(one)), default=0.0)
+        if large > 0.5 * max((one.shape.area for one in silos), default=0.0):
+            return crossing, 0
     if not lines:
         raise BadInput(f"{path} holds no closed line: {_open(joined)}")
-    return lines
+    return lines, len(joined.unused)
 
 
 def _open(joined: joining.Joined) -> str:
@@ -156,8 +163,9 @@ def _open(joined: joining.Joined) -> str:
         return "the silo's inside must be one, or lines that meet"
     apart, x, y = joined.gap
     return (
-        f"its {len(joined.unused)} lines end apart, the nearest ends {apart:.4g} m at x = {x:.4g}, y = {y:.4g} m; draw "
-        f"what is missing, or join them with --gap {1.01 * apart:.3g}"
+        f"its lines end apart ({len(joined.unused)}), the nearest ends {apart:.4g} m from each other at x = {x:.4g}, "
+        f"y = {y:.4g} m; draw what is missing"
+        + (f", or join them with --gap {1.01 * apart:.3g}" if apart < 0.05 * joined.extent_m else "")
     )
 
 

@@ -12,6 +12,8 @@ from taichi_silo.scene.drawing.joining import ClosedLine
 from taichi_silo.utils.messages import shown
 
 DIGITS = 7  # of corners, in metres
+HAIR = 2e-4  # of a line's larger side: how far a level side may be out of level
+TOP = 0.05  # of the width: least width of a level top; that of a round line's corners is narrower
 SMALL = 0.01  # of the largest silo's area: a smaller rectangle beside it is part of a table or a legend
 WALL = 0.5  # share of a line that another one in it fills, from which on it may be the inner face of a wall
 TALL = 0.5  # share of a border's height that a silo in it has
@@ -43,30 +45,36 @@ class Chosen:
     words: tuple[str, ...]
 
 
-def outline_of(line: ClosedLine, level_m: float) -> np.ndarray:
+def outline_of(line: ClosedLine) -> np.ndarray:
     """Corners (n, 2) of a closed line as an outline, from its leftmost and lowest place.
 
-    Corners within `level_m` of its lowest and highest level, and of its outermost places, are moved onto them.
-    Raises ValueError if it can be no silo.
+    Corners that lie within a hair of its outermost levels and places, or within the widest gap that was closed, are
+    moved onto them. Raises ValueError if it can
+    be no silo.
     """
     if not len(line.corners):
         raise ValueError("it encloses nothing")
-    corners = line.corners - line.corners.min(axis=0)
-    for axis, end in ((0, corners[:, 0].max()), (1, corners[:, 1].max())):
-        for place in (0.0, end):
-            near = np.abs(corners[:, axis] - place) <= min(level_m, 0.05 * end)
-            corners[near, axis] = place
+    if line.oval:
+        raise ValueError("it is a circle or an ellipse, and has no level floor")
+    hair = max(HAIR * max(line.size_m), line.slack_m)
+    corners = np.array(line.shape.simplify(line.slack_m).exterior.coords[:-1]) if line.slack_m else line.corners
+    corners = corners - corners.min(axis=0)
+    for axis in (0, 1):
+        for place in (0.0, corners[:, axis].max()):
+            corners[np.abs(corners[:, axis] - place) <= hair, axis] = place
     corners = polygons.without_straight(polygons.without_repeats(np.round(corners, DIGITS)))
     if len(corners) > polygons.MOST_CORNERS:
         raise ValueError(f"it has more than {polygons.MOST_CORNERS} corners; draw it with fewer")
-    polygons.sides(tuple((x, y) for x, y in corners.tolist()))
+    left, right = polygons.sides(tuple((x, y) for x, y in corners.tolist()))
+    if right[-1, 0] - left[-1, 0] < TOP * line.size_m[0]:
+        raise ValueError(f"its level top is narrower than {TOP:.0%} of its width; draw it up to where the fill ends")
     return corners
 
 
-def possible(line: ClosedLine, level_m: float) -> bool:
+def possible(line: ClosedLine) -> bool:
     """Whether a closed line can be the inside of a silo."""
     try:
-        outline_of(line, level_m)
+        outline_of(line)
     except ValueError:
         return False
     return True
@@ -74,8 +82,9 @@ def possible(line: ClosedLine, level_m: float) -> bool:
 
 def numbered(lines: list[ClosedLine], level_m: float) -> list[ClosedLine]:
     """Closed lines, the largest first; neighbours that make one silo are one, and a line that is drawn twice is one."""
-    silos = [line for line in lines if possible(line, level_m)]
-    others = [line for line in lines if not any(line is one for one in silos)]
+    able = [possible(line) for line in lines]
+    silos = [line for line, one in zip(lines, able, strict=True) if one]
+    others = [line for line, one in zip(lines, able, strict=True) if not one]
     if len(silos) <= MOST_MERGED:
         silos = _merged(_once(silos), level_m)
     return sorted(silos + others, key=lambda line: -line.shape.area)
@@ -141,21 +150,23 @@ def chosen(lines: list[ClosedLine], level_m: float, number: int | None, layers_g
 
 def _plain(lines: list[ClosedLine], level_m: float, layers_given: bool) -> int:
     """Number of the line that is the inside, where that is plain."""
-    silos = [line for line in lines if possible(line, level_m)]
+    silos = [line for line in lines if possible(line)]
     if not silos:
         try:
-            outline_of(lines[0], level_m)
+            outline_of(lines[0])
         except ValueError as error:
+            which = (
+                "the closed line"
+                if len(lines) == 1
+                else f"none of the {len(lines)} closed lines, not even the largest,"
+            )
             raise Unclear(
-                f"none of the {len(lines)} closed lines can be a silo's inside; of the largest, "
-                f"{_name(lines, lines[0])}: {error}",
-                lines,
+                f"{which} {_name(lines, lines[0])} can{'not' * (len(lines) == 1)} be a silo's inside: {error}", lines
             ) from error
-    shapes = [line.shape for line in silos]
-    outer = [line for line, shape in zip(silos, shapes, strict=True)
-             if not any(other is not shape and other.covers(shape.buffer(-level_m)) and other.area > shape.area
-                        for other in shapes)]  # fmt: skip
-    weighty = [line for line in outer if line.shape.area > SMALL * outer[0].shape.area]
+    silos = [line for line in silos if line.shape.area > SMALL * silos[0].shape.area]
+    cores = [line.shape.buffer(-level_m) for line in silos]
+    weighty = [line for number, (line, core) in enumerate(zip(silos, cores, strict=True))
+               if not any(larger.shape.covers(core) for larger in silos[:number])]  # fmt: skip
     if len(weighty) > 1:
         raise Unclear(f"{_list(lines, weighty)} could each be the silo; choose one by --line or --layer", lines)
     outermost = weighty[0]
@@ -171,11 +182,7 @@ def _plain(lines: list[ClosedLine], level_m: float, layers_given: bool) -> int:
                 f"{_number(lines, outermost)})?",
                 lines,
             )
-        if (
-            _rectangle(outermost)
-            and possible(line, level_m)
-            and _silo_in_border(line, outermost, level_m, layers_given)
-        ):
+        if _rectangle(outermost) and possible(line) and _silo_in_border(line, outermost, layers_given):
             raise Unclear(
                 f"line {_name(lines, outermost)} may be a border around the silo, line {_name(lines, line)} (--line "
                 f"{_number(lines, line)} or --layer {shown(line.layer)}), or the silo with a body in it (--line "
@@ -185,10 +192,10 @@ def _plain(lines: list[ClosedLine], level_m: float, layers_given: bool) -> int:
     return _number(lines, outermost)
 
 
-def _silo_in_border(line: ClosedLine, border: ClosedLine, level_m: float, layers_given: bool) -> bool:
+def _silo_in_border(line: ClosedLine, border: ClosedLine, layers_given: bool) -> bool:
     """Whether a line in a rectangle is a silo rather than a body: on its own layer, or tall, or wider above."""
     other_layer = line.layer != border.layer and not layers_given
-    left, right = polygons.sides(tuple((x, y) for x, y in outline_of(line, level_m).tolist()))
+    left, right = polygons.sides(tuple((x, y) for x, y in outline_of(line).tolist()))
     widens = right[-1, 0] - left[-1, 0] > 1.01 * (right[0, 0] - left[0, 0])
     return line.bridged or other_layer or bool(widens) or line.size_m[1] > TALL * border.size_m[1]
 
@@ -230,7 +237,7 @@ def _merged(lines: list[ClosedLine], level_m: float) -> list[ClosedLine]:
         one = waiting.pop(0)
         for other in waiting:
             word = _neighbours(one, other, level_m)
-            if word and possible(whole := _union(one, other, word, level_m), level_m):
+            if word and possible(whole := _union(one, other, word, level_m)):
                 waiting = [line for line in waiting if line is not other] + [whole]
                 break
         else:
@@ -243,7 +250,11 @@ def _union(one: ClosedLine, other: ClosedLine, word: str, level_m: float) -> Clo
     layers = ", ".join(sorted({*one.layer.split(", "), *other.layer.split(", ")}))
     corners = np.array(whole.exterior.coords[:-1]) if isinstance(whole, shapely.Polygon) else one.corners[:0]
     return ClosedLine(
-        layers, corners, tuple(dict.fromkeys((*one.done, *other.done, word))), one.bridged or other.bridged
+        layers,
+        corners,
+        tuple(dict.fromkeys((*one.done, *other.done, word))),
+        one.bridged or other.bridged,
+        slack_m=max(one.slack_m, other.slack_m),
     )
 
 

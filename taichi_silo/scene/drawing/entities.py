@@ -12,6 +12,7 @@ from taichi_silo.errors import BadInput
 from taichi_silo.utils.messages import near, shown
 
 KINDS = ("LINE", "ARC", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "SPLINE")
+OVAL = ("CIRCLE", "ELLIPSE")
 CONTAINERS = ("INSERT", "MLINE")
 MOST_LINES = 20_000
 MOST_CORNERS = 20_000  # of one line
@@ -27,6 +28,7 @@ class Line:
 
     layer: str
     path: Any
+    oval: bool = False  # a circle or an ellipse
 
     @property
     def control(self) -> np.ndarray:
@@ -60,7 +62,7 @@ def lines_of(drawing: Any, layers: Iterable[str] = ()) -> Found:
         if _folded(layer) in hidden or entity.dxf.get("invisible", 0):
             found.hidden[layer] += 1
             continue
-        line = Line(layer, _path(entity)) if kind in KINDS else None
+        line = Line(layer, _path(entity), kind in OVAL) if kind in KINDS else None
         if line is None or line.path is None:
             found.others[kind] += 1
             continue

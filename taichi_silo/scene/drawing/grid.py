@@ -7,37 +7,51 @@ import numpy as np
 from taichi_silo.scene import cell_sizes, polygons
 from taichi_silo.scene.silo import Silo
 
+HAIR = 2e-4  # of the height, by which its top may be moved
 LEAST = 1.0 / cell_sizes.ACROSS  # of the width: a body that is smaller is below a cell
 
 
 def opening_m(silo: Silo) -> float:
-    """Narrowest place between the walls, the outlet or one above it [m]."""
+    """Narrowest place that sand passes, the outlet or one between the walls above it [m]."""
     left, right = silo.sides
     levels = np.unique(np.concatenate([left[:, 1], right[:, 1]]))
-    levels = np.concatenate([levels, levels + polygons.SAME])  # below and above a ledge
-    return float((polygons.place(right, levels) - polygons.place(left, levels)).min())
+    levels = np.sort(np.concatenate([levels, levels + polygons.SAME]))  # below and above a ledge
+    widths = polygons.place(right, levels) - polygons.place(left, levels)
+    return float(widths[: int(np.argmax(widths)) + 1].min())  # a roof above the widest place holds sand, and no more
 
 
 def fitted(silo: Silo) -> tuple[Silo, float, str]:
-    """The silo, its fill perhaps below the top, with a cell size that divides both, and a sentence about it."""
+    """The silo with a cell size that divides width and height, and a sentence about it.
+
+    Its top is moved by a hair if that makes them divide; else the fill ends below it.
+    """
     wide, high, narrow = silo.width_m, silo.height_m, opening_m(silo)
     fewest = math.ceil(cell_sizes.wanted_across(wide, high, narrow) - 1e-9)
-    sizes = cell_sizes.dividing(wide, high, most=2 * fewest)
-    sizes = [size for size in sizes if wide / size > fewest - 0.5]
+    sizes = [size for size in cell_sizes.dividing(wide, high, most=2 * fewest) if wide / size > fewest - 0.5]
+    changed = ""
     if sizes:
-        size, lower = sizes[0], ""
+        size = sizes[0]
     else:
         counts = np.arange(fewest, 2 * fewest)
-        left = high / (wide / counts) % 1.0 * (wide / counts)
-        size = float(wide / counts[int(np.argmin(left))])
-        filled = round(math.floor(high / size) * size, 12)
-        silo = silo.model_copy(update={"height_m": filled})
-        silo = Silo.model_validate(silo.model_dump(exclude_defaults=True))
-        lower = (
-            f"; the fill ends {1e3 * (high - filled):.3g} mm below the top, at {filled:.6g} m, so that cells divide it"
-        )
+        over = high - np.round(high / (wide / counts)) * (wide / counts)
+        below = high - np.floor(high / (wide / counts)) * (wide / counts)
+        near = np.flatnonzero(np.abs(over) <= HAIR * high)
+        number = int(near[0]) if len(near) else int(np.argmin(below))
+        size = float(wide / counts[number])
+        filled = round(high / size) * size if len(near) else math.floor(high / size) * size
+        silo = _up_to(silo, filled, moved=bool(len(near)))
+        what = "its top was moved by" if len(near) else "the fill ends below the top by"
+        changed = f"; {what} {1e3 * abs(high - filled):.2g} mm, to {filled:.6g} m, so that cells divide the height"
     words = (
-        f"Cells of {1e3 * size:.6g} mm: {round(wide / size)} across, {narrow / size:.3g} across the narrowest opening of "
-        f"{narrow:.6g} m, {silo.points(size):,} points{lower}"
+        f"Cells of {1e3 * size:.6g} mm: {round(wide / size)} across, {narrow / size:.3g} across the narrowest opening "
+        f"of {narrow:.6g} m, {silo.points(size):,} points{changed}"
     )
     return silo, size, words
+
+
+def _up_to(silo: Silo, height_m: float, moved: bool) -> Silo:
+    """The silo filled to a height, its top moved there if wanted."""
+    outline = silo.outline_m or ()
+    if moved:
+        outline = tuple((x, height_m if y == silo.height_m else y) for x, y in outline)
+    return Silo.polygon(outline, height_m=height_m, inserts=silo.inserts)

@@ -1,6 +1,6 @@
 """Closed lines of a drawing: those drawn closed, and lines, arcs and open polylines that meet within a tolerance."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -12,16 +12,18 @@ from scipy.sparse.csgraph import connected_components
 from taichi_silo.scene import polygons
 
 GAP = 0.002  # of the larger side of a drawing: ends that are closer belong together
+TALL = 0.25  # of the highest line: lower ones are not taken for walls
 EXACT = 1e-6  # of the same: places that are closer are one
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A line with its layer and corners (n, 2) [m]."""
+    """A line of a drawing: its layer and corners (n, 2) [m]."""
 
     layer: str
     corners: np.ndarray
     closed: bool
+    oval: bool = False  # a circle or an ellipse
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,8 @@ class ClosedLine:
     corners: np.ndarray
     done: tuple[str, ...] = ()
     bridged: bool = False  # a lid or floor was put in
+    oval: bool = False  # a circle or an ellipse
+    slack_m: float = 0.0  # widest gap that was closed in it
 
     @cached_property
     def shape(self) -> shapely.Polygon:
@@ -48,8 +52,9 @@ class ClosedLine:
 
 @dataclass
 class Joined:
-    """Closed lines, the pieces that belong to none, and the narrowest gap that is left between free ends."""
+    """Larger side of a drawing, its closed lines, the pieces that belong to none, and the narrowest gap left."""
 
+    extent_m: float
     closed: list[ClosedLine]
     unused: list[Piece] = field(default_factory=list)
     gap: tuple[float, float, float] | None = None  # its width, and x and y of one of its ends [m]
@@ -69,19 +74,21 @@ def joined(pieces: list[Piece], gap_m: float | None = None) -> Joined:
     for piece in pieces:
         corners = polygons.without_repeats(piece.corners)
         if piece.closed and len(corners) > 2:
-            found.append(ClosedLine(piece.layer, corners))
+            found.append(ClosedLine(piece.layer, corners, oval=piece.oval))
         elif not piece.closed and _length(piece.corners) > exact:
             opened.append(piece)
     if not opened:
-        return Joined(found)
+        return Joined(size, found)
     opened = _snapped(opened, exact)
     bridges = _bridges(opened, gap)
-    loops, lids = _loops(opened, bridges, gap), _lids(opened, bridges, gap)
+    loops = _loops(opened, bridges, gap)
+    lids = _lids(opened, bridges, gap, found + loops)
     if lids:
         loops += [loop for loop in _loops(opened, bridges, gap, lids) if loop.bridged]
-    edges = shapely.union_all([shapely.LinearRing(one.corners) for one in loops]) if loops else shapely.Point()
-    unused = [one for one in opened if not _on(one, edges, gap)]
-    return Joined(found + loops, unused, _narrowest(opened, bridges + [line for line, _ in lids]))
+    tree = shapely.STRtree([shapely.LinearRing(one.corners) for one in loops])
+    used = set(tree.query(_middles(opened), predicate="dwithin", distance=gap)[0].tolist())
+    unused = [one for number, one in enumerate(opened) if number not in used]
+    return Joined(size, found + loops, unused, _narrowest(opened, bridges + [line for line, _ in lids]))
 
 
 def crossing(pieces: list[Piece], gap_m: float | None = None) -> list[ClosedLine]:
@@ -98,9 +105,9 @@ def crossing(pieces: list[Piece], gap_m: float | None = None) -> list[ClosedLine
             if other != number // 2:
                 nearest = shapely.shortest_line(end, lines[other])
                 stubs += [nearest] if nearest.length > 0.0 else []
-    whole = shapely.union_all([net, *stubs], grid_size=exact)
-    fields = shapely.polygonize(shapely.get_parts(whole)).geoms
-    return [ClosedLine(_layers(pieces, one.exterior, gap), np.array(one.exterior.coords[:-1])) for one in fields]
+    whole = shapely.union_all([net, *stubs], grid_size=10.0 ** np.floor(np.log10(exact)))
+    rings = [one.exterior for one in shapely.polygonize(shapely.get_parts(whole)).geoms]
+    return [ClosedLine(layer, np.array(ring.coords[:-1])) for ring, layer in _with_layers(rings, pieces, gap)]
 
 
 # --- ends -------------------------------------------------------------------------------------------------------------
@@ -132,7 +139,7 @@ def _snapped(pieces: list[Piece], exact: float) -> list[Piece]:
     """The pieces, their ends moved onto each other where they are one; each once."""
     ends = _ends(pieces)
     group = _groups(len(ends), _near(ends, exact))
-    place = np.array([ends[group == number][0] for number in range(group.max() + 1)])[group]
+    place = ends[np.unique(group, return_index=True)[1]][group]
     moved: dict[bytes, Piece] = {}
     for number, piece in enumerate(pieces):
         corners = piece.corners.copy()
@@ -176,7 +183,9 @@ def _narrowest(pieces: list[Piece], bridges: list[np.ndarray]) -> tuple[float, f
     return float(apart.min()), float(ends[number, 0]), float(ends[number, 1])
 
 
-def _lids(pieces: list[Piece], bridges: list[np.ndarray], gap: float) -> list[tuple[np.ndarray, str]]:
+def _lids(
+    pieces: list[Piece], bridges: list[np.ndarray], gap: float, closed: list[ClosedLine]
+) -> list[tuple[np.ndarray, str]]:
     """Level lines (2, 2) that close what is open at its top or at its bottom, or both, each with its name.
 
     What is open is a chain of pieces, or two chains that begin and end at the same levels: a left and a right wall.
@@ -186,22 +195,38 @@ def _lids(pieces: list[Piece], bridges: list[np.ndarray], gap: float) -> list[tu
     _, node = np.unique(every, axis=0, return_inverse=True)
     pairs = node.reshape(-1, 2).T
     group = _groups(int(pairs.max()) + 1, pairs)[pairs[0]][: len(pieces)]
+    bounds = np.array([[*piece.corners.min(axis=0), *piece.corners.max(axis=0)] for piece in pieces])
+    lowest, highest = np.full((len(pieces), 2), np.inf), np.full((len(pieces), 2), -np.inf)  # of each chain
+    np.minimum.at(lowest, group, bounds[:, :2])
+    np.maximum.at(highest, group, bounds[:, 2:])
+    highs = [(highest - lowest)[:, 1].max(), *(one.size_m[1] for one in closed)]
+    tall = max(TALL * max(highs), 3.0 * gap)
     found: list[tuple[np.ndarray, str]] = []
-    walls: dict[tuple[float, float], list[int]] = {}
-    for number in sorted(set(group[free // 2])):
-        corners = np.concatenate([piece.corners for piece, one in zip(pieces, group, strict=True) if one == number])
-        low, high = float(corners[:, 1].min()), float(corners[:, 1].max())
-        mine = free[group[free // 2] == number]
-        if high - low > 3.0 * gap:
-            lids = _level(ends, mine, low, high, gap)
-            found += lids
-            if not lids:
-                like = next((one for one in walls if np.allclose(one, (low, high), rtol=0.0, atol=gap)), (low, high))
-                walls.setdefault(like, []).append(number)
-    for (low, high), pair in walls.items():
-        if len(pair) == 2:
-            found += _level(ends, free[np.isin(group[free // 2], pair)], low, high, gap)
+    walls: list[list[int]] = []
+    for number in sorted(set(group[free // 2].tolist())):
+        low, high = float(lowest[number, 1]), float(highest[number, 1])
+        if high - low < tall:
+            continue
+        lids = _level(ends, free[group[free // 2] == number], low, high, gap)
+        found += lids
+        if not lids:
+            alike = [one for one in walls if max(abs(lowest[one[0], 1] - low), abs(highest[one[0], 1] - high)) <= gap]
+            if alike:
+                alike[0].append(number)
+            else:
+                walls.append([number])
+    for pair in walls:
+        corners = np.array([lowest[pair].min(axis=0), highest[pair].max(axis=0)])
+        if len(pair) == 2 and not any(_fills(one, corners) for one in closed):
+            found += _level(ends, free[np.isin(group[free // 2], pair)], corners[0, 1], corners[1, 1], gap)
     return found
+
+
+def _fills(line: ClosedLine, corners: np.ndarray) -> bool:
+    """Whether a closed line stands between two lines, at half their height or more: they are dimension lines."""
+    low, high = line.corners.min(axis=0), line.corners.max(axis=0)
+    inside = (low >= corners[0]).all() and (high <= corners[1]).all()
+    return bool(inside and high[1] - low[1] >= 0.5 * (corners[1, 1] - corners[0, 1]))
 
 
 def _level(ends: np.ndarray, free: np.ndarray, low: float, high: float, gap: float) -> list[tuple[np.ndarray, str]]:
@@ -219,27 +244,33 @@ def _level(ends: np.ndarray, free: np.ndarray, low: float, high: float, gap: flo
 
 def _loops(pieces: list[Piece], bridges: list, gap: float, lids: list | tuple = ()) -> list[ClosedLine]:
     """The fields that pieces bound which end on each other, by way of bridges and of lids."""
-    lines = [piece.corners for piece in pieces] + bridges + [line for line, _ in lids]
+    put_in = bridges + [line for line, _ in lids]
+    lines = [piece.corners for piece in pieces] + put_in
     found = []
-    for one in shapely.polygonize([shapely.LineString(line) for line in lines]).geoms:
-        ring = one.exterior
-        words = [f"its open {name} was closed by a level line" for line, name in lids if _covers(ring, line)]
-        bridged = bool(words)
-        gaps = [_length(line) for line in bridges if _covers(ring, line)]
+    rings = [one.exterior for one in shapely.polygonize([shapely.LineString(line) for line in lines]).geoms]
+    tree = shapely.STRtree([shapely.Point(line.mean(axis=0)) for line in put_in])
+    for ring, layer in _with_layers(rings, pieces, gap):
+        along = tree.query(ring, predicate="dwithin", distance=polygons.SAME)
+        names = [lids[number - len(bridges)][1] for number in sorted(along) if number >= len(bridges)]
+        gaps = [_length(bridges[number]) for number in along if number < len(bridges)]
+        words = [f"its open {name} was closed by a level line" for name in names]
         if gaps:
             words.append(f"gaps of up to {max(gaps):.2g} m in it were closed ({len(gaps)})")
-        found.append(ClosedLine(_layers(pieces, ring, gap), np.array(ring.coords[:-1]), tuple(words), bridged))
+        slack = max(gaps, default=0.0)
+        found.append(ClosedLine(layer, np.array(ring.coords[:-1]), tuple(words), bool(names), slack_m=slack))
     return found
 
 
-def _covers(ring: shapely.LinearRing, line: np.ndarray) -> bool:
-    return bool(ring.distance(shapely.Point(line.mean(axis=0))) < polygons.SAME)
+def _middles(pieces: list[Piece]) -> np.ndarray:
+    """A point in the middle of each piece."""
+    return shapely.line_interpolate_point([shapely.LineString(one.corners) for one in pieces], 0.5, normalized=True)
 
 
-def _on(piece: Piece, edges: shapely.Geometry, gap: float) -> bool:
-    return bool(edges.distance(shapely.LineString(piece.corners).interpolate(0.5, normalized=True)) < gap)
-
-
-def _layers(pieces: list[Piece], ring: shapely.LinearRing, gap: float) -> str:
-    """Layers of the pieces along a closed line, as a list in words."""
-    return ", ".join(sorted({piece.layer for piece in pieces if _on(piece, ring, gap)})) or pieces[0].layer
+def _with_layers(
+    rings: list[shapely.LinearRing], pieces: list[Piece], gap: float
+) -> Iterator[tuple[shapely.LinearRing, str]]:
+    """Closed lines, each with the layers of the pieces along it, as a list in words."""
+    tree = shapely.STRtree(_middles(pieces))
+    for ring in rings:
+        along = tree.query(ring, predicate="dwithin", distance=gap)
+        yield ring, ", ".join(sorted({pieces[number].layer for number in along})) or pieces[0].layer

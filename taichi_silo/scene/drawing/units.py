@@ -95,6 +95,11 @@ def plausible(width_m: float, height_m: float) -> bool:
     return WIDTHS_M[0] <= width_m <= WIDTHS_M[1] and HEIGHTS_M[0] <= height_m <= HEIGHTS_M[1]
 
 
+def possible(extent_m: float) -> bool:
+    """Whether a drawing of a silo, with all that stands beside it, may be as large."""
+    return HEIGHTS_M[0] <= extent_m <= 5.0 * HEIGHTS_M[1]
+
+
 def doubts(header: Any, unit: str, width_m: float, height_m: float) -> str:
     """A sentence on a unit that a drawing may not mean, with what another one would make of it; empty if none is."""
     metres = units()
