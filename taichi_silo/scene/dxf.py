@@ -3,14 +3,12 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from taichi_silo.errors import BadInput
-from taichi_silo.scene.drawing import choice, entities, file, grid, joining, units
+from taichi_silo.scene.drawing import choice, dxf_file, entities, grid, joining, units, words
 from taichi_silo.scene.silo import MOST_INSERTS, Insert, Silo
-from taichi_silo.utils.messages import shown
 
 
 @dataclass(frozen=True)
@@ -19,8 +17,8 @@ class Drawn:
 
     Attributes
     ----------
-    silo : with the grid's cell size that fits it.
-    cell_size_m : of square cells.
+    silo : the silo.
+    cell_size_m : size of square cells that fit it.
     lines : all closed lines, in the order of their numbers, in the drawing's place [m].
     number : of the one that is the inside, from 1.
     bodies : numbers of those that are bodies.
@@ -78,29 +76,37 @@ def read_drawing(
     layers = tuple(layers)
     if gap_m is not None and not 0.0 <= gap_m <= 1.0:
         raise BadInput(f"gap is {gap_m} m; it must be between 0 and 1 m")
-    if unit is not None:
-        unit = units.of_name(unit)
-    drawing, mended = file.opened(path)
+    given, unit = unit is not None, unit and units.of_name(unit)
+    drawing, mended = dxf_file.opened(path)
     found = entities.lines_of(drawing, layers)
     if not found.lines:
-        raise BadInput(f"{path} holds no closed line: {_elsewhere(drawing, found)}")
+        raise BadInput(f"{path} holds no closed line: {words.of_none(drawing, found)}")
     axes = entities.in_plane(found.lines)
-    control = np.concatenate([one.control for one in found.lines])[:, axes]
-    wide, high = map(float, np.ptp(control, axis=0))
-    unit, known = units.of_drawing(drawing.header, unit, (wide, high))
+    span = np.ptp(np.concatenate([one.control for one in found.lines])[:, axes], axis=0)
+    unit, known = units.of_drawing(drawing.header, unit, (float(span[0]), float(span[1])))
     scale = units.units()[unit]
-    if not units.possible(scale * max(wide, high)):
-        raise BadInput(f"unit is {unit}, {known}; {units.doubts(drawing.header, unit, scale * wide, scale * high)}")
+    if not units.possible(scale * float(span.max())):
+        raise BadInput(f"unit is {unit}, {known}; {units.doubts(drawing.header, unit, *map(float, scale * span))}")
     pieces = _pieces(found.lines, axes, scale)
     if not pieces:
         raise BadInput(f"{path} holds no closed line: its lines have no length")
     level = joining.GAP * joining.extent_of(pieces) if gap_m is None else gap_m
     lines, unused = _closed_lines(path, pieces, gap_m, level)
     taken = choice.chosen(lines, level, line, bool(layers), grid.LEAST)
-    outline = choice.outline_of(taken.inside)
-    doubt = units.doubts(drawing.header, unit, *map(float, outline.max(axis=0)))
-    if doubt and known != "as given" and not units.plausible(*outline.max(axis=0)):
+    silo = _silo(path, taken)
+    doubt, plausible = "", units.plausible(silo.width_m, silo.height_m)
+    if not (given and plausible):
+        doubt = units.doubts(drawing.header, unit, silo.width_m, silo.height_m)
+    if not (given or plausible):
         raise BadInput(f"unit is {unit}, {known}; {doubt}")
+    head = words.of_taken(taken, len(lines), silo, unit, known)
+    silo, cell, of_grid = grid.fitted(silo)
+    said = [head, *taken.words, *words.of_rest(found, unused, axes, mended), *([doubt] if doubt else []), of_grid]
+    bodies = tuple(number for number, one in enumerate(lines, 1) if any(one is body for body in taken.bodies))
+    return Drawn(silo, cell, tuple(lines), taken.number, bodies, tuple(f"{one[:1].upper()}{one[1:]}." for one in said))
+
+
+def _silo(path: Path, taken: choice.Chosen) -> Silo:
     if len(taken.bodies) > MOST_INSERTS:
         raise BadInput(
             f"{path} holds {len(taken.bodies)} closed lines in the silo; it has at most {MOST_INSERTS} inserts, so "
@@ -108,22 +114,7 @@ def read_drawing(
         )
     origin = taken.inside.corners.min(axis=0)
     inserts = tuple(Insert.polygon(np.round(body.corners - origin, choice.DIGITS)) for body in taken.bodies)
-    silo = Silo.polygon(outline, inserts=inserts)
-    silo, cell, of_grid = grid.fitted(silo)
-    words = [_taken(taken, len(lines), silo, outline, unit, known), *taken.words]
-    words += [f"open lines passed over ({unused})"] if unused else []
-    words += [doubt] if doubt else []
-    words += ["The drawing's file is damaged: what could be read was taken"] if mended else []
-    words += [
-        "The drawing stands upright in space: its side view is the plane of " + " and ".join("xyz"[k] for k in axes)
-    ] * (axes != (0, 1))
-    if found.hidden:
-        words.append(
-            f"layers that are off, frozen or not printed passed over: {shown(', '.join(sorted(found.hidden)), 120)}"
-        )
-    numbers = tuple(next(k for k, one in enumerate(lines, 1) if one is body) for body in taken.bodies)
-    words = [f"{one[:1].upper()}{one[1:]}." for one in (*words, of_grid)]
-    return Drawn(silo, cell, tuple(lines), taken.number, numbers, tuple(words))
+    return Silo.polygon(choice.outline_of(taken.inside), inserts=inserts)
 
 
 def _pieces(lines: list[entities.Line], axes: tuple[int, int], scale: float) -> list[joining.Piece]:
@@ -153,49 +144,5 @@ def _closed_lines(
         if large > 0.5 * max((one.shape.area for one in silos), default=0.0):
             return crossing, 0
     if not lines:
-        raise BadInput(f"{path} holds no closed line: {_open(joined)}")
+        raise BadInput(f"{path} holds no closed line: {words.of_open(joined)}")
     return lines, len(joined.unused)
-
-
-def _open(joined: joining.Joined) -> str:
-    """What keeps lines from being closed."""
-    if joined.gap is None:
-        return "the silo's inside must be one, or lines that meet"
-    apart, x, y = joined.gap
-    return (
-        f"its lines end apart ({len(joined.unused)}), the nearest ends {apart:.4g} m from each other at x = {x:.4g}, "
-        f"y = {y:.4g} m; draw what is missing"
-        + (f", or join them with --gap {1.01 * apart:.3g}" if apart < 0.05 * joined.extent_m else "")
-    )
-
-
-def _elsewhere(drawing: Any, found: entities.Found) -> str:
-    """Where the lines are, if not in sight in the model space."""
-    papers = [layout.name for layout in drawing.layouts if layout.name != "Model" and _holds_lines(layout)]
-    if found.hidden:
-        names = sorted(found.hidden)
-        return (
-            f"its lines are on layers that are off, frozen or not printed; --layer {shown(names[0])} takes one anyway"
-        )
-    if papers:
-        return (
-            f"its lines are in the paper space ({shown(', '.join(papers), 100)}); move them to the model space (in "
-            "CAD: CHSPACE), where a silo is drawn in its size"
-        )
-    if found.others:
-        return f"it holds {shown(', '.join(f'{count} {kind}' for kind, count in found.others.most_common(5)), 120)}"
-    return "it is empty"
-
-
-def _holds_lines(layout: Any) -> bool:
-    return any(entity.dxftype() in (*entities.KINDS, *entities.CONTAINERS) for entity in layout)
-
-
-def _taken(taken: choice.Chosen, count: int, silo: Silo, outline: np.ndarray, unit: str, known: str) -> str:
-    left, right = silo.floor_m
-    wide, high = outline.max(axis=0)
-    bodies = f"{len(taken.bodies)} bodies" if len(taken.bodies) != 1 else "1 body"
-    return (
-        f"Taken: closed line {taken.number} of {count}, layer {shown(taken.inside.layer)}: {wide:.6g} m wide, "
-        f"{high:.6g} m high, floor from x = {left:.6g} to {right:.6g} m, {bodies}; unit {unit}, {known}"
-    )

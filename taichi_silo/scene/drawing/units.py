@@ -12,7 +12,7 @@ EXACT = {  # of codes that the library rounds or leaves out [m]
 }  # fmt: skip
 SURVEY = {21: "survey-ft", 22: "survey-in", 23: "survey-yd", 24: "survey-mi"}
 COMMON = ("mm", "cm", "m", "in", "ft")  # named first, where one must be given
-INCH, METRIC = 1, 1  # of $INSUNITS, of $MEASUREMENT
+INCH = 1  # of $INSUNITS
 WIDTHS_M = (0.01, 100.0)  # of silos that are built, models included
 HEIGHTS_M = (0.01, 200.0)
 
@@ -105,11 +105,11 @@ def doubts(header: Any, unit: str, width_m: float, height_m: float) -> str:
     metres = units()
     sizes = {name: (metres[name] / metres[unit] * width_m, metres[name] / metres[unit] * height_m) for name in COMMON}
     if plausible(width_m, height_m):
-        if header.get("$INSUNITS") != INCH or header.get("$MEASUREMENT") != METRIC:
+        if header.get("$INSUNITS") != INCH or unit != "in":
             return ""
         return (
-            "The drawing says inches, which many programs write unasked, but counts as metric: in millimetres (--unit "
-            f"mm) it would be {sizes['mm'][0]:.4g} m x {sizes['mm'][1]:.4g} m"
+            "The drawing says inches, which many programs write unasked: in millimetres (--unit mm) it would be "
+            f"{sizes['mm'][0]:.4g} m x {sizes['mm'][1]:.4g} m"
         )
     others = [f"--unit {name} makes {wide:.3g} m x {high:.3g} m" for name, (wide, high) in sizes.items()
               if plausible(wide, high)]  # fmt: skip
