@@ -182,22 +182,26 @@ def _plain(lines: list[ClosedLine], level_m: float, layers_given: bool) -> int:
                 f"{_number(lines, outermost)})?",
                 lines,
             )
-        if _rectangle(outermost) and possible(line) and _silo_in_border(line, outermost, layers_given):
+        or_layer = f" or --layer {shown(line.layer)}" if line.layer != outermost.layer else ""
+        if possible(line) and _silo_in_border(line, outermost, layers_given):
             raise Unclear(
-                f"line {_name(lines, outermost)} may be a border around the silo, line {_name(lines, line)} (--line "
-                f"{_number(lines, line)} or --layer {shown(line.layer)}), or the silo with a body in it (--line "
-                f"{_number(lines, outermost)})",
+                f"line {_name(lines, outermost)} may be a border or wall around the silo, line {_name(lines, line)} (--line "
+                f"{_number(lines, line)}{or_layer}), or the silo with a body in it (--line {_number(lines, outermost)})",
                 lines,
             )
     return _number(lines, outermost)
 
 
 def _silo_in_border(line: ClosedLine, border: ClosedLine, layers_given: bool) -> bool:
-    """Whether a line in a rectangle is a silo rather than a body: on its own layer, or tall, or wider above."""
+    """Whether a line may be a silo rather than a body: tall, or in a rectangle, on its own layer, or wider above."""
+    if line.bridged or line.size_m[1] > TALL * border.size_m[1]:
+        return True
+    if not _rectangle(border):
+        return False
     other_layer = line.layer != border.layer and not layers_given
     left, right = polygons.sides(tuple((x, y) for x, y in outline_of(line).tolist()))
     widens = right[-1, 0] - left[-1, 0] > 1.01 * (right[0, 0] - left[0, 0])
-    return line.bridged or other_layer or bool(widens) or line.size_m[1] > TALL * border.size_m[1]
+    return other_layer or bool(widens)
 
 
 def _rectangle(line: ClosedLine) -> bool:

@@ -41,7 +41,10 @@ class ClosedLine:
     def shape(self) -> shapely.Polygon:
         """The area that it encloses."""
         shape = shapely.Polygon(self.corners)
-        return shape if shape.is_valid else shape.buffer(0.0)
+        if shape.is_valid:
+            return shape
+        parts = shapely.get_parts(shape.buffer(0.0))  # sides that cross by a hair at a corner cut off a loop
+        return max(parts, key=lambda part: part.area, default=shapely.Polygon())
 
     @property
     def size_m(self) -> tuple[float, float]:
