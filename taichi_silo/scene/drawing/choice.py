@@ -185,8 +185,9 @@ def _plain(lines: list[ClosedLine], level_m: float, layers_given: bool) -> int:
         or_layer = f" or --layer {shown(line.layer)}" if line.layer != outermost.layer else ""
         if possible(line) and _silo_in_border(line, outermost, layers_given):
             raise Unclear(
-                f"line {_name(lines, outermost)} may be a border or wall around the silo, line {_name(lines, line)} (--line "
-                f"{_number(lines, line)}{or_layer}), or the silo with a body in it (--line {_number(lines, outermost)})",
+                f"line {_name(lines, outermost)} may be a border or wall around the silo, line {_name(lines, line)} "
+                f"(--line {_number(lines, line)}{or_layer}), or the silo with a body in it (--line "
+                f"{_number(lines, outermost)})",
                 lines,
             )
     return _number(lines, outermost)
