@@ -60,10 +60,12 @@ def area(corners: np.ndarray) -> float:
 def sides(corners: Corners) -> tuple[np.ndarray, np.ndarray]:
     """Left and right side of a silo's inside, each (n, 2) from the floor up to the top.
 
+    Corners on the straight line between their neighbours are left out.
+
     Raises ValueError if it has no level floor at y = 0 or no level top, does not begin at x = 0, or a level line would
     cross it more than twice.
     """
-    found = polygon(corners, "outline")
+    found = without_straight(polygon(corners, "outline"))
     low, high, left = found[:, 1].min(), found[:, 1].max(), found[:, 0].min()
     if abs(low) > SAME or abs(left) > SAME:
         raise ValueError(

@@ -95,7 +95,10 @@ POLYGONS = [
     ("tables", "words"),
     [
         ({"silo": {"outlet": {"width_m": 0.3}}}, ["outlet width is 0.3", "0.2"]),
-        ({"silo": {"outlet": {"width_m": 0.005}}}, ["outlet width is 0.005", "at least 0.01"]),
+        (
+            {"silo": {"outlet": {"width_m": 0.005}}, "grid": {"cell_size_m": 0.005}},
+            ["outlet width is 0.005", "at least 0.01"],
+        ),
         ({"silo": {"outlet": {"width_m": 0.083}}}, ["outlet width is 0.083", "grid"]),
         ({"silo": {"outlet": {"width_m": 0.08, "position": "top"}}}, ["position is top", "centre"]),
         ({"silo": {"section": "round", "outlet": {"width_m": 0.08, "position": "left"}}}, ["left", "round", "centre"]),
