@@ -21,8 +21,8 @@ class Mesh(Options):
         0.005,
         ge=1e-5,
         le=100,
-        description="size of a cell of the grid; it divides width and height, "
-        "and is chosen, about 40 across, where the default does not fit",
+        description="size of a cell of the grid; it divides width and height; where a scene lacks it and the default does"
+        " not fit, about 40 cells go across",
     )
     points_per_cell: int = Field(1, description="points in a cell at the start, a square number: 1, 4, 9, ...")
     shape: Shape = Field("ugimp", description="shape functions")
@@ -67,7 +67,10 @@ class Mesh(Options):
                 )
         left, right = silo.outlet_m
         if right - left < 2.0 * h * (1.0 - 1e-9):
-            raise ValueError(f"outlet width is {right - left:g} m; on cells of {h} m it must be at least {2 * h:g} m")
+            raise ValueError(
+                f"outlet width is {right - left:g} m; on cells of {h} m it must be at least {2 * h:g} m: "
+                f"{cell_sizes.remedy(silo, h)}"
+            )
         edge = next((edge for edge in cell_sizes.edges(silo) if not cell_sizes.whole(edge, h)), None)
         if silo.outlet is not None and edge is not None:
             raise ValueError(
