@@ -21,8 +21,8 @@ class Mesh(Options):
         0.005,
         ge=1e-5,
         le=100,
-        description="size of a cell of the grid; it divides width and height; where a scene lacks it and the default does"
-        " not fit, about 40 cells go across",
+        description="size of a cell of the grid; it divides width and height; where a scene lacks it and the default "
+        "does not fit, about 40 cells go across",
     )
     points_per_cell: int = Field(1, description="points in a cell at the start, a square number: 1, 4, 9, ...")
     shape: Shape = Field("ugimp", description="shape functions")
