@@ -8,17 +8,19 @@ from taichi_silo.scene import cell_sizes
 from taichi_silo.scene.silo import Silo
 
 HAIR = 2e-4  # of the height, by which its top may be moved
+MOST_CELLS = 1_000_000  # of a grid for ten cells across the opening
 LEAST = 1.0 / cell_sizes.ACROSS  # of the width: a body that is smaller is below a cell
 
 
 def fitted(silo: Silo) -> tuple[Silo, float, str]:
     """The silo with a cell size that divides width and height, and a sentence about it.
 
-    Ten cells or more cross the narrowest opening. The top is moved by a hair if that makes the cells divide; else the
+    Ten cells or more cross the narrowest opening, unless that makes more than a million. The top is moved by a hair if that makes the cells divide; else the
     fill ends below it.
     """
     wide, high, narrow = silo.width_m, silo.height_m, cell_sizes.opening_m(silo)
-    fewest = math.ceil(max(cell_sizes.wanted_across(silo), cell_sizes.TEN * wide / narrow) - 1e-9)
+    most = min(cell_sizes.MOST // 2, math.isqrt(int(MOST_CELLS * wide / high)))
+    fewest = min(most, math.ceil(max(cell_sizes.wanted_across(silo), cell_sizes.TEN * wide / narrow) - 1e-9))
     sizes = cell_sizes.dividing(silo, 2 * fewest)
     sizes = sizes[wide / sizes > fewest - 0.5]
     changed = ""
@@ -34,6 +36,8 @@ def fitted(silo: Silo) -> tuple[Silo, float, str]:
         silo = _up_to(silo, filled, moved)
         what = "its top was moved by" if moved else "the fill ends below the top by"
         changed = f"; {what} {1e3 * abs(high - filled):.2g} mm, to {filled:.6g} m, so that cells divide the height"
+    if narrow / size < cell_sizes.TEN - 1e-6:
+        changed = f", fewer than the ten that it should have{changed}"
     words = (
         f"Cells of {1e3 * size:.6g} mm: {round(wide / size)} across, {narrow / size:.3g} across the narrowest opening "
         f"of {narrow:.6g} m, {silo.points(size):,} points{changed}"
