@@ -15,8 +15,8 @@ LEAST = 1.0 / cell_sizes.ACROSS  # of the width: a body that is smaller is below
 def fitted(silo: Silo) -> tuple[Silo, float, str]:
     """The silo with a cell size that divides width and height, and a sentence about it.
 
-    Ten cells or more cross the narrowest opening, unless that makes more than a million. The top is moved by a hair if that makes the cells divide; else the
-    fill ends below it.
+    Ten cells or more cross the narrowest opening, unless that makes more than a million. The top is moved by a hair if
+    that makes the cells divide; else the fill ends below it.
     """
     wide, high, narrow = silo.width_m, silo.height_m, cell_sizes.opening_m(silo)
     most = min(cell_sizes.MOST // 2, math.isqrt(int(MOST_CELLS * wide / high)))
