@@ -42,6 +42,7 @@ def parts(scene: Scene) -> list[Part]:
     """The decisions for a scene; Taichi has been started."""
     period = period_of(scene)
     return [
+        cell_size(scene),
         intergranular_strain(scene),
         non_local_average(scene),
         half(scene),
@@ -62,6 +63,18 @@ def _on(choice: bool) -> str:
 
 def _sentence(words: str) -> str:
     return words[:1].upper() + words[1:]
+
+
+def cell_size(scene: Scene) -> Part:
+    """As given, or chosen to fit the silo."""
+    silo, h = scene.silo, scene.grid.cell_size_m
+    left, right = silo.outlet_m
+    why = "Not given, so chosen to fit" if scene.grid.chosen else "As given"
+    because = (
+        f"{why}: {round(silo.width_m / h)} cells across, {round(silo.height_m / h)} along the height, "
+        f"{(right - left) / h:.3g} across the outlet."
+    )
+    return Part("cell size", f"{1e3 * h:.6g} mm", because, "--cell-size")
 
 
 def intergranular_strain(scene: Scene) -> Part:

@@ -100,6 +100,8 @@ def tables_with(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
     Raises BadInput if it has no such path.
     """
     tables = scene.model_dump()
+    if scene.grid.chosen:
+        del tables["grid"]["cell_size_m"]  # that of another silo is another one
     for path, value in values.items():
         if path in OUTSIDE:
             continue

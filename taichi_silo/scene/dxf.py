@@ -1,77 +1,148 @@
-"""A silo from a DXF drawing: its largest closed line is the inside, closed lines within are bodies."""
+"""A silo from a DXF drawing in side view: one closed line is its inside, closed lines within are bodies."""
 
-import itertools
-from collections.abc import Callable
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from taichi_silo.errors import BadInput
-from taichi_silo.scene import polygons
+from taichi_silo.scene.drawing import choice, dxf_file, entities, grid, joining, units, words
 from taichi_silo.scene.silo import MOST_INSERTS, Insert, Silo
-from taichi_silo.utils import bounded_reading
-from taichi_silo.utils.messages import shown
-
-UNITS_M = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
-OF_DRAWING = {1: "in", 4: "mm", 5: "cm", 6: "m"}  # codes of the header's $INSUNITS
-ARC_M = 1e-3  # largest distance of a curve from the corners that stand for it
-LARGEST = 50_000_000  # bytes of a file
-DIGITS = 7  # of corners, in metres
 
 
-def read_silo(file: Path, unit: str | None = None) -> Silo:
-    """The silo of a drawing in side view.
+@dataclass(frozen=True)
+class Drawn:
+    """What was taken from a drawing.
+
+    Attributes
+    ----------
+    silo : the silo.
+    cell_size_m : size of square cells that fit it.
+    lines : all closed lines, in the order of their numbers, in the drawing's place [m].
+    number : of the one that is the inside, from 1.
+    bodies : numbers of those that are bodies.
+    words : what was taken, and what was passed over, a sentence each.
+
+    """
+
+    silo: Silo
+    cell_size_m: float
+    lines: tuple[joining.ClosedLine, ...]
+    number: int
+    bodies: tuple[int, ...]
+    words: tuple[str, ...]
+
+    def tables(self) -> dict:
+        """The tables of a scene file."""
+        silo = self.silo.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
+        return {"silo": silo, "grid": {"cell_size_m": self.cell_size_m}}
+
+
+def read_silo(
+    file: Path,
+    unit: str | None = None,
+    layers: Iterable[str] = (),
+    line: int | None = None,
+    gap_m: float | None = None,
+) -> Silo:
+    """The silo of a drawing, as `read_drawing` takes it."""
+    return read_drawing(file, unit, layers, line, gap_m).silo
+
+
+def read_drawing(
+    path: Path,
+    unit: str | None = None,
+    layers: Iterable[str] = (),
+    line: int | None = None,
+    gap_m: float | None = None,
+) -> Drawn:
+    """The silo of a drawing in side view, and what was taken for it.
 
     Its lowest side is the floor, at y = 0, and its leftmost corner is moved to x = 0.
 
-    Raises BadInput if it cannot be read, says no unit, or holds no closed line; ValidationError if the lines make no
-    silo.
+    Raises BadInput if it cannot be read, says no unit, or holds no closed line that can be a silo; `choice.Unclear`, a
+    BadInput that carries the lines, if several can be; ValidationError if the lines make no silo.
 
     Parameters
     ----------
-    file : DXF; lines that are not closed, and texts, are passed over.
-    unit : mm, cm, m or in; that of the drawing if not given.
+    path : DXF; texts, dimensions and layers that are off, frozen or not printed are passed over.
+    unit : mm, cm, m, in, ft, ...; that of the drawing if not given.
+    layers : whose lines count, hidden or not; all that show if none are given.
+    line : number of the closed line that is the inside, by size from 1; the one that is plain if not given.
+    gap_m : ends at most so far apart are joined [m]; 1/500 of the drawing's larger side if not given.
 
     """
-    try:
-        import ezdxf
-        from ezdxf.path import make_path
-    except ImportError as error:
-        raise BadInput("reading drawings needs ezdxf: install taichi-silo[drawings]") from error
-    bounded_reading.content(file, "a DXF drawing", LARGEST)
-    try:
-        drawing = ezdxf.readfile(file)
-    except Exception as error:  # noqa: BLE001 - a damaged file makes its readers say anything
-        raise BadInput(f"{file} cannot be read as a DXF drawing: it is none, or damaged") from error
-    unit = unit or OF_DRAWING.get(drawing.header.get("$INSUNITS", 0))
-    if unit not in UNITS_M:
-        raise BadInput(f"unit is {shown(unit)}; the drawing says none, so it must be given: {', '.join(UNITS_M)}")
-    scale, found = UNITS_M[unit], []
-    for entity in drawing.modelspace().query("LWPOLYLINE POLYLINE CIRCLE ELLIPSE SPLINE"):
-        corners = _corners(entity, make_path, scale)
-        if len(corners) > polygons.MOST_CORNERS:
-            raise BadInput(f"{file} has a line of more than {polygons.MOST_CORNERS} corners; draw it with fewer")
-        if len(corners) > 2:
-            found.append(corners)
-    if len(found) > MOST_INSERTS + 1:
-        raise BadInput(f"{file} holds {len(found)} closed lines; a silo has at most {MOST_INSERTS} inserts")
-    if not found:
-        raise BadInput(f"{file} holds no closed line; the silo's inside must be a closed polyline")
-    found.sort(key=lambda corners: -polygons.area(corners))
-    inside, bodies = found[0], found[1:]
-    origin = inside.min(axis=0)
-    inserts = tuple(Insert.polygon(np.round(body - origin, DIGITS)) for body in bodies)
-    return Silo.polygon(np.round(inside - origin, DIGITS), inserts=inserts)
+    layers = tuple(layers)
+    if gap_m is not None and not 0.0 <= gap_m <= 1.0:
+        raise BadInput(f"gap is {gap_m} m; it must be between 0 and 1 m")
+    given, unit = unit is not None, unit and units.of_name(unit)
+    drawing, mended = dxf_file.opened(path)
+    found = entities.lines_of(drawing, layers)
+    if not found.lines:
+        raise BadInput(f"{path} holds no closed line: {words.of_none(drawing, found)}")
+    axes = entities.in_plane(found.lines)
+    span = np.ptp(np.concatenate([one.control for one in found.lines])[:, axes], axis=0)
+    unit, known = units.of_drawing(drawing.header, unit, (float(span[0]), float(span[1])))
+    scale = units.units()[unit]
+    if not units.possible(scale * float(span.max())):
+        raise BadInput(f"unit is {unit}, {known}; {units.doubts(drawing.header, unit, *map(float, scale * span))}")
+    pieces = _pieces(found.lines, axes, scale)
+    if not pieces:
+        raise BadInput(f"{path} holds no closed line: its lines have no length")
+    level = joining.GAP * joining.extent_of(pieces) if gap_m is None else gap_m
+    lines, unused = _closed_lines(path, pieces, gap_m, level)
+    taken = choice.chosen(lines, level, line, bool(layers), grid.LEAST)
+    silo = _silo(path, taken)
+    doubt, plausible = "", units.plausible(silo.width_m, silo.height_m)
+    if not (given and plausible):
+        doubt = units.doubts(drawing.header, unit, silo.width_m, silo.height_m)
+    if not (given or plausible):
+        raise BadInput(f"unit is {unit}, {known}; {doubt}")
+    head = words.of_taken(taken, len(lines), silo, unit, known)
+    silo, cell, of_grid = grid.fitted(silo)
+    said = [head, *taken.words, *words.of_rest(found, unused, axes, mended), *([doubt] if doubt else []), of_grid]
+    bodies = tuple(number for number, one in enumerate(lines, 1) if any(one is body for body in taken.bodies))
+    return Drawn(silo, cell, tuple(lines), taken.number, bodies, tuple(f"{one[:1].upper()}{one[1:]}." for one in said))
 
 
-def _corners(entity: Any, make_path: Callable[[Any], Any], scale: float) -> np.ndarray:
-    """Corners (n, 2) of a closed line [m], at most one more than allowed; none if it is not closed or damaged."""
-    try:
-        path = make_path(entity)
-        if not path.is_closed or not np.isfinite([tuple(place) for place in path.control_vertices()]).all():
-            return np.zeros((0, 2))
-        places = itertools.islice(path.flattening(ARC_M / scale), polygons.MOST_CORNERS + 2)
-        return polygons.without_repeats(np.array([(scale * place.x, scale * place.y) for place in places]))
-    except (ArithmeticError, LookupError, TypeError, ValueError):  # of an entity that is none
-        return np.zeros((0, 2))
+def _silo(path: Path, taken: choice.Chosen) -> Silo:
+    if len(taken.bodies) > MOST_INSERTS:
+        raise BadInput(
+            f"{path} holds {len(taken.bodies)} closed lines in the silo; it has at most {MOST_INSERTS} inserts, so "
+            "choose layers with --layer"
+        )
+    origin = taken.inside.corners.min(axis=0)
+    inserts = tuple(Insert.polygon(np.round(body.corners - origin, choice.DIGITS)) for body in taken.bodies)
+    return Silo.polygon(choice.outline_of(taken.inside), inserts=inserts)
+
+
+def _pieces(lines: list[entities.Line], axes: tuple[int, int], scale: float) -> list[joining.Piece]:
+    found = []
+    for one in lines:
+        corners = entities.corners_of(one, axes, scale)
+        if len(corners) > 1 and np.ptp(corners, axis=0).max() > 0.0:
+            found.append(joining.Piece(one.layer, corners, bool(one.path.is_closed), one.oval))
+    return found
+
+
+def _closed_lines(
+    path: Path, pieces: list[joining.Piece], gap_m: float | None, level_m: float
+) -> tuple[list[joining.ClosedLine], int]:
+    """Closed lines in the order of their numbers: of lines that meet at their ends, else of lines that cross.
+
+    Behind them the number of lines that belong to none.
+
+    Raises BadInput if there is none.
+    """
+    joined = joining.joined(pieces, gap_m)
+    lines = choice.numbered(joined.closed, level_m)
+    silos = [one for one in lines if choice.possible(one)]
+    if all(one.bridged for one in silos):  # a drawn lid goes before one that is put in
+        crossing = choice.numbered(joining.crossing(pieces, gap_m), level_m)
+        large = max((one.shape.area for one in crossing if choice.possible(one)), default=0.0)
+        if large > 0.5 * max((one.shape.area for one in silos), default=0.0):
+            return crossing, 0
+    if not lines:
+        raise BadInput(f"{path} holds no closed line: {words.of_open(joined)}")
+    return lines, len(joined.unused)

@@ -34,6 +34,19 @@ def without_repeats(corners: np.ndarray) -> np.ndarray:
     return corners[np.abs(corners - np.roll(corners, 1, axis=0)).max(axis=1) > SAME] if len(corners) else corners
 
 
+def without_straight(corners: np.ndarray) -> np.ndarray:
+    """Corners (n, 2) of a closed line without those on the straight line between their neighbours."""
+    while len(corners) > 3:
+        before, after = corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners
+        across = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0])
+        turns = (across > SAME * np.hypot(*(before + after).T)) | ((before * after).sum(axis=1) <= 0.0)
+        if turns.all():
+            break
+        first = int(np.argmin(turns))  # one after the other: what is left decides on its neighbours
+        corners = np.delete(corners, first, axis=0)
+    return corners
+
+
 def inside(x: ArrayLike, y: ArrayLike, corners: np.ndarray) -> np.ndarray:
     """Whether points x, y (arrays) [m] lie inside a polygon."""
     return shapely.contains_xy(shapely.Polygon(corners), np.asarray(x, float), np.asarray(y, float))
@@ -47,10 +60,12 @@ def area(corners: np.ndarray) -> float:
 def sides(corners: Corners) -> tuple[np.ndarray, np.ndarray]:
     """Left and right side of a silo's inside, each (n, 2) from the floor up to the top.
 
+    Corners on the straight line between their neighbours are left out.
+
     Raises ValueError if it has no level floor at y = 0 or no level top, does not begin at x = 0, or a level line would
     cross it more than twice.
     """
-    found = polygon(corners, "outline")
+    found = without_straight(polygon(corners, "outline"))
     low, high, left = found[:, 1].min(), found[:, 1].max(), found[:, 0].min()
     if abs(low) > SAME or abs(left) > SAME:
         raise ValueError(

@@ -13,10 +13,10 @@ from pydantic import Field, field_validator, model_validator
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
-from taichi_silo.mpm.neighbour_rows import MOST_PAIRS, most_pairs
-from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, WEIGHTS, Weight, self_weight, summed_by
+from taichi_silo.scene.averaging import Averaging
 from taichi_silo.scene.eurocode import Eurocode
-from taichi_silo.scene.method_options import MethodOptions, Shape
+from taichi_silo.scene.mesh import Mesh
+from taichi_silo.scene.method_options import MethodOptions
 from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.silo import Silo
 from taichi_silo.scene.symmetry import half_model
@@ -24,8 +24,6 @@ from taichi_silo.utils.messages import shown
 from taichi_silo.utils.schema import Options
 
 MOST_POINTS = 20_000_000
-MOST_PER_CELL = 10_000
-MOST_CELLS = 20_000  # across or along a silo
 SNAPSHOTS, FEWEST_SNAPSHOTS = 100, 10  # over the flow, of small and of large scenes
 MOST_STATES = 10_000_000  # points times snapshots, where their number is not given: about 0.8 GB
 POINTS_OF_A_THREAD, MOST_THREADS = 1000, 16  # fewer points wait longer for each other than they gain
@@ -62,25 +60,6 @@ class Walls(Options):
         return self
 
 
-class Mesh(Options):
-    """Background grid and points."""
-
-    cell_size_m: float = Field(
-        0.005, ge=1e-5, le=100, description="size of a cell of the grid; it divides width and height"
-    )
-    points_per_cell: int = Field(1, description="points in a cell at the start, a square number: 1, 4, 9, ...")
-    shape: Shape = Field("ugimp", description="shape functions")
-
-    @field_validator("points_per_cell")
-    @classmethod
-    def _square(cls, value: int) -> int:
-        if not 1 <= value <= MOST_PER_CELL or math.isqrt(value) ** 2 != value:
-            raise ValueError(
-                f"points per cell is {shown(value)}; it must be a square number: 1, 4, 9, 16, ... up to {MOST_PER_CELL}"
-            )
-        return value
-
-
 class Flow(Options):
     """Outflow: the bottom, or a gate in the outlet, sinks at a speed, or the sand falls out by its weight."""
 
@@ -115,81 +94,6 @@ class Filling(Options):
     )
     layers: int = Field(20, ge=1, le=1000, description="number of layers, where sand is filled in by them")
     drop_m: float = Field(0.02, ge=0, le=1000, description="height of fall, where sand is filled in by rain")
-
-
-class Averaging(Options):
-    """Non-local mean of the norm of the strain rate in the law's non-linear part."""
-
-    characteristic_length_m: float | None = Field(
-        None,
-        ge=0,
-        le=1000,
-        description="characteristic length of the non-local law; 3 d50 if absent, 0 for a local law",
-    )
-    weight: Literal["gaussian", "exponential"] = Field(
-        "gaussian", description="weight of neighbours; the paper prints exponential"
-    )
-    wall: Literal["ignored", "rigid"] | None = Field(
-        None,
-        description="very rough straight walls in the mean: left out, or counted as grains that do not strain; rigid "
-        "if absent, ignored with another weight than gaussian",
-    )
-
-    def length_m(self, sand: Sand) -> float:
-        """Characteristic length l_c [m]: as given, or three mean grain diameters."""
-        return 3.0 * sand.d50_m if self.characteristic_length_m is None else self.characteristic_length_m
-
-    means: Literal["grid", "rows"] | None = Field(
-        None,
-        description="how the mean is summed: over rows of neighbours, or, a Gaussian, by way of a grid; the faster one "
-        "if absent",
-    )
-
-    def summed_by(self, kernel: Weight, spacing_m: float) -> str:
-        """How the mean is summed: "grid" or "rows"."""
-        return self.means or summed_by(kernel, spacing_m)
-
-    @property
-    def walls_count(self) -> bool:
-        """Whether walls that sand sticks to count in the mean."""
-        return self.weight == "gaussian" if self.wall is None else self.wall == "rigid"
-
-    def check(self, sand: Sand, spacing_m: float, points: int, width_m: float) -> None:
-        """Refuse a characteristic length beyond the body, or with more neighbours than memory holds."""
-        length = self.length_m(sand)
-        if self.wall == "rigid" and self.weight != "gaussian":
-            raise ValueError(f"weight is {self.weight}; with walls that count as rigid it must be gaussian")
-        if length > width_m:
-            raise ValueError(
-                f"characteristic length is {length:g} m; it must be between 0 and the width of {width_m:g} m"
-            )
-        if self.means == "grid" and self.weight != "gaussian":
-            raise ValueError(f"weight is {self.weight}; summed by a grid it must be gaussian")
-        kernel = WEIGHTS[self.weight](length)
-        by_rows = length > 0.0 and self.summed_by(kernel, spacing_m) == "rows"
-        if by_rows and most_pairs(kernel.radius, spacing_m, points) > MOST_PAIRS:
-            raise ValueError(
-                f"characteristic length is {length:g} m; with {points} points {1e3 * spacing_m:g} mm apart that makes "
-                f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one, larger cells, or the means by a grid"
-            )
-
-    def kernel(self, sand: Sand, spacing_m: float) -> tuple[Weight | None, str]:
-        """Weight function of the non-local average, None where it would change nothing, and why in a sentence."""
-        length = self.length_m(sand)
-        if length == 0.0:
-            return None, "The law is local: the characteristic length is 0."
-        kernel = WEIGHTS[self.weight](length)
-        own = self_weight(kernel, spacing_m)
-        apart = (
-            f"with points {1e3 * spacing_m:g} mm apart and a characteristic length of {1e3 * length:g} mm a point's "
-            "own weight is"
-        )
-        if own > INACTIVE_FROM:
-            return None, (
-                f"Non-locality is inactive: {apart} {own:.4f}; points closer than {1e3 * length:g} mm would make it "
-                "work."
-            )
-        return kernel, f"Non-locality is active: {apart} {own:.3f}."
 
 
 class Method(MethodOptions):
@@ -274,19 +178,16 @@ class Scene(Options):
     machine: Machine = Machine()
 
     @model_validator(mode="after")
+    def _meshed(self):
+        grid = self.grid.fitted(self.silo)
+        if grid is not self.grid:
+            object.__setattr__(self, "grid", grid)
+        return self
+
+    @model_validator(mode="after")
     def _divides(self):
+        self.grid.check(self.silo)
         h = self.grid.cell_size_m
-        for name, length in (("width", self.silo.width_m), ("height", self.silo.height_m)):
-            cells = length / h
-            if cells > MOST_CELLS * (1.0 + 1e-6):
-                raise ValueError(
-                    f"cell size is {h} m; it makes {cells:.4g} cells along the {name} of {length} m, at most "
-                    f"{MOST_CELLS} are allowed (lengths are in metres)"
-                )
-            if abs(cells - round(cells)) > 1e-6 or round(cells) < 2:
-                raise ValueError(
-                    f"cell size is {h} m; it must divide the {name} of {length} m into at least 2 whole cells"
-                )
         if self.points > MOST_POINTS:
             raise ValueError(
                 f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed (lengths are in "
@@ -308,18 +209,7 @@ class Scene(Options):
         return self
 
     def _check_outflow(self) -> None:
-        silo, flow, h = self.silo, self.flow, self.grid.cell_size_m
-        left, right = silo.outlet_m
-        if right - left < 2.0 * h * (1.0 - 1e-9):
-            raise ValueError(f"outlet width is {right - left:g} m; on cells of {h} m it must be at least {2 * h:g} m")
-        for edge in (left, right):
-            if silo.outlet is not None and abs(edge / h - round(edge / h)) > 1e-6:
-                raise ValueError(
-                    f"outlet width is {silo.outlet.width_m} m; its edge at x = {edge:g} m must lie on the grid, whose "
-                    f"lines are {h} m apart"
-                )
-        if silo.section == "round" and round(silo.width_m / h) % 2:
-            raise ValueError(f"cell size is {h} m; it must divide the radius of {0.5 * silo.width_m} m of a round silo")
+        silo, flow = self.silo, self.flow
         if flow.outflow == "gravity" and silo.floor_is_outlet:
             raise ValueError("outflow is gravity; the silo needs an outlet or a hopper that sand can fall out of")
         most = silo.area_m2 / silo.outlet_share_m

@@ -14,7 +14,7 @@ import shapely
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from taichi_silo.scene import polygons
+from taichi_silo.scene import polygons, silo_checks
 from taichi_silo.scene.inserts import Insert
 from taichi_silo.utils.schema import Options
 
@@ -82,87 +82,8 @@ class Silo(Options):
 
     @model_validator(mode="after")
     def _fits(self):
-        wide = self.width_m
-        if self.outline_m is not None:
-            self._check_outline(self.outline_m)
-        if self.outlet is not None and self.hopper is not None:
-            raise ValueError("a silo has an outlet in its floor or a hopper, not both: a hopper ends in its own outlet")
-        if self.outlet is not None:
-            self._check_outlet(self.outlet)
-        if self.hopper is not None:
-            if not self.hopper.outlet_width_m < wide:
-                raise ValueError(
-                    f"outlet width of the hopper is {self.hopper.outlet_width_m} m; it must be below the silo's width "
-                    f"of {wide} m"
-                )
-            if not self.transition_m < self.height_m:
-                raise ValueError(
-                    f"half angle of the hopper is {self.hopper.half_angle_deg} deg; it makes the hopper "
-                    f"{self.transition_m:.4g} m high, which must be below the fill's height of {self.height_m} m"
-                )
-        for insert in self.inserts:
-            self._check(insert)
-        shapes = [shapely.Polygon(insert.outline(wide)) for insert in self.inserts]
-        for number, one in enumerate(shapes):
-            if any(one.intersects(other) for other in shapes[:number]):
-                raise ValueError(f"insert {number + 1} overlaps another one; inserts must stand apart")
-        if self.section == "round":
-            self._check_round()
+        silo_checks.check(self)
         return self
-
-    def _check_outline(self, outline_m: polygons.Corners) -> None:
-        if self.hopper is not None:
-            raise ValueError("a silo has an outline or a hopper, not both: an outline has the hopper's walls in it")
-        left, right = polygons.sides(outline_m)
-        wide, high = max(left[:, 0].max(), right[:, 0].max()), left[-1, 1]
-        if abs(wide - self.width_m) > polygons.SAME:
-            raise ValueError(f"width is {self.width_m} m; that of the outline is {wide:g} m")
-        if self.height_m > high + polygons.SAME:
-            raise ValueError(f"height is {self.height_m} m; the outline ends at {high:g} m, and the fill not above it")
-        mirrored = np.column_stack([self.width_m - left[:, 0], left[:, 1]])
-        if self.section == "round" and not (len(left) == len(right) and np.allclose(mirrored, right, atol=1e-9)):
-            raise ValueError("the outline of a round silo must be symmetric about its axis")
-
-    def _check_outlet(self, outlet: Outlet) -> None:
-        first, last = self.floor_m
-        b, (left, right) = outlet.width_m, self.outlet_m
-        if not b < last - first:
-            width = "the silo's width" if self.outline_m is None else "the floor's width"
-            raise ValueError(f"outlet width is {b} m; it must be below {width} of {last - first:g} m")
-        if left < first - polygons.SAME or right > last + polygons.SAME:
-            raise ValueError(
-                f"outlet position is {outlet.position} m; in a floor from {first:g} to {last:g} m the middle of "
-                f"{b} m must be between {first + 0.5 * b:g} and {last - 0.5 * b:g} m"
-            )
-
-    def _check(self, insert: Insert) -> None:
-        outline = insert.outline(self.width_m)
-        low = outline[:, 1].min()
-        if low <= 0.0:
-            raise ValueError(f"the {insert.kind} reaches down to {low:g} m; it must stand above the floor at 0")
-        if outline[:, 1].max() >= self.height_m:
-            raise ValueError(
-                f"the {insert.kind} reaches up to {outline[:, 1].max():.4g} m; it must be below the surface of the "
-                f"fill at {self.height_m} m"
-            )
-        if not self._body.contains_properly(shapely.Polygon(outline)):
-            raise ValueError(
-                f"the {insert.kind} between x = {outline[:, 0].min():.4g} and {outline[:, 0].max():.4g} m must stand "
-                f"free of the walls of a silo {self.width_m} m wide"
-            )
-
-    def _check_round(self) -> None:
-        if self.outlet is not None and self.outlet.position != "centre":
-            raise ValueError(
-                f"outlet position is {self.outlet.position}; in a round silo, computed by its section, it must be "
-                "centre"
-            )
-        for insert in self.inserts:
-            if abs(insert.centre_m(self.width_m) - 0.5 * self.width_m) > 1e-9:
-                raise ValueError(
-                    f"position of the {insert.kind} is {insert.position_m} m; in a round silo it must be the axis at "
-                    f"{0.5 * self.width_m} m"
-                )
 
     # --- what follows from it -------------------------------------------------------------------------------------
 
@@ -189,7 +110,7 @@ class Silo(Options):
         return float(left[0, 0]), float(right[0, 0])
 
     @property
-    def _body(self) -> shapely.Polygon:
+    def body(self) -> shapely.Polygon:
         """Space inside the silo."""
         left, right = self.sides
         return shapely.Polygon(np.concatenate([right, left[::-1]]))
@@ -272,7 +193,7 @@ class Silo(Options):
         if self.section == "round":
             return _round_area(self)
         below = shapely.box(0.0, 0.0, self.width_m, self.height_m)
-        return float(self._body.intersection(below).area) - sum(insert.area_m2() for insert in self.inserts)
+        return float(self.body.intersection(below).area) - sum(insert.area_m2() for insert in self.inserts)
 
     def solids(self) -> list[np.ndarray]:
         """Outlines (n, 2) of hopper walls and inserts, for pictures [m]."""

@@ -105,7 +105,7 @@ DRAWINGS = {
     "a body outside": (BOX, line((900, 0), (950, 0), (950, 50), (900, 50))),
     "a body in a wall": (BOX, line((-20, 100), (50, 100), (50, 150), (-20, 150))),
     "bodies in one place": (BOX, *[lambda space: space.add_circle((100, 200), 30)] * 2),
-    "too many bodies": (BOX, *[lambda space: space.add_circle((100, 200), 1)] * 60),
+    "too many bodies": (BOX, *[lambda space: space.add_circle((100, 200), 10)] * 60),
     "words": (lambda space: space.add_text("a silo"),),
 }
 

@@ -95,7 +95,10 @@ POLYGONS = [
     ("tables", "words"),
     [
         ({"silo": {"outlet": {"width_m": 0.3}}}, ["outlet width is 0.3", "0.2"]),
-        ({"silo": {"outlet": {"width_m": 0.005}}}, ["outlet width is 0.005", "at least 0.01"]),
+        (
+            {"silo": {"outlet": {"width_m": 0.005}}, "grid": {"cell_size_m": 0.005}},
+            ["outlet width is 0.005", "at least 0.01"],
+        ),
         ({"silo": {"outlet": {"width_m": 0.083}}}, ["outlet width is 0.083", "grid"]),
         ({"silo": {"outlet": {"width_m": 0.08, "position": "top"}}}, ["position is top", "centre"]),
         ({"silo": {"section": "round", "outlet": {"width_m": 0.08, "position": "left"}}}, ["left", "round", "centre"]),
@@ -246,3 +249,42 @@ def test_a_side_with_a_level_part_is_passed_at_once():
     assert polygons.place(right, [0.0, 0.07, 0.1399999, 0.1400001, 0.3]) == pytest.approx(
         [0.12, 0.14, 0.16, 0.2, 0.2], abs=1e-6
     )
+
+
+@pytest.mark.parametrize("extra", [(0.09, 0.0), (0.1, 0.4), (0.18, 0.14), (0.0, 0.3), (0.03, 0.1)])
+def test_corners_on_a_straight_line_change_nothing(extra):
+    at = {(0.09, 0.0): 1, (0.1, 0.4): 5, (0.18, 0.14): 3, (0.0, 0.3): 6, (0.03, 0.1): 7}[extra]
+    silo, plain = Silo.polygon([*BUNKER[:at], extra, *BUNKER[at:]]), Silo.polygon(BUNKER)
+    assert silo.feet_m == plain.feet_m
+    for one, other in zip(silo.sides, plain.sides, strict=True):
+        assert one.tolist() == other.tolist()
+
+
+@pytest.mark.parametrize("corners", [[(0.05, 0.1), (0.15, 0.1), (0.07, 0.2)], [(0.05, 0.1), (0.15, 0.1), (0.15, 0.2)]])
+def test_a_body_on_the_axis_of_a_round_silo_is_symmetric(corners):
+    with pytest.raises(ValidationError, match=r"polygon at x = 0.1 m is not symmetric about the axis .* 0.1 m"):
+        Silo(section="round", inserts=(Insert.polygon(corners),))
+    Silo(inserts=(Insert.polygon(corners),))
+    Silo(section="round", inserts=(Insert.polygon([(0.05, 0.1), (0.15, 0.1), (0.1, 0.2)]),))
+
+
+RING = {"kind": "cylinder", "width_m": 0.03, "bottom_m": 0.1}
+
+
+def test_a_body_and_its_mirror_image_are_a_ring():
+    silo = Silo(section="round", inserts=(RING | {"position_m": 0.15}, RING | {"position_m": 0.05}))
+    torus = 2.0 * math.pi**2 * 0.05 * 0.015**2
+    content = math.pi * 0.1**2 * 0.5 - torus
+    assert silo.area_m2 == pytest.approx(content / math.pi / 0.1, rel=1e-4)
+    section = Section.of(scene := Scene(silo=silo))
+    grid = grid_of(scene, section, 1)
+    found = Surfaces(surfaces_of(scene, section), grid, 1000.0, 4, section.geometry.depth)
+    assert found.areas.sum() == pytest.approx(0.05 * 2.0 * math.pi * 0.015, rel=0.02)  # of the torus, per radian
+
+
+@pytest.mark.parametrize(
+    "others", [(), (RING | {"position_m": 0.06},), (RING | {"position_m": 0.05, "friction_angle_deg": 9},)]
+)
+def test_a_ring_has_both_of_its_sections(others):
+    with pytest.raises(ValidationError, match=r"position of the cylinder is 0.15 m; .* axis at 0.1 m.*0.05 m.*ring"):
+        Silo(section="round", inserts=(RING | {"position_m": 0.15}, *others))

@@ -1,0 +1,84 @@
+"""The background grid and points that a user gives; where the size of a cell is not given, it is chosen."""
+
+import math
+
+from pydantic import Field, field_validator
+
+from taichi_silo.scene import cell_sizes
+from taichi_silo.scene.method_options import Shape
+from taichi_silo.scene.silo import Silo
+from taichi_silo.utils.messages import shown
+from taichi_silo.utils.schema import Options
+
+MOST_PER_CELL = 10_000
+MOST_CELLS = 20_000  # across or along a silo
+
+
+class Mesh(Options):
+    """Background grid and points."""
+
+    cell_size_m: float = Field(
+        0.005,
+        ge=1e-5,
+        le=100,
+        description="size of a cell of the grid; it divides width and height; where a scene lacks it and the default "
+        "does not fit, about 40 cells go across",
+    )
+    points_per_cell: int = Field(1, description="points in a cell at the start, a square number: 1, 4, 9, ...")
+    shape: Shape = Field("ugimp", description="shape functions")
+
+    @field_validator("points_per_cell")
+    @classmethod
+    def _square(cls, value: int) -> int:
+        if not 1 <= value <= MOST_PER_CELL or math.isqrt(value) ** 2 != value:
+            raise ValueError(
+                f"points per cell is {shown(value)}; it must be a square number: 1, 4, 9, 16, ... up to {MOST_PER_CELL}"
+            )
+        return value
+
+    @property
+    def chosen(self) -> bool:
+        """Whether the size of a cell was not given."""
+        return "cell_size_m" not in self.model_fields_set
+
+    def fitted(self, silo: Silo) -> "Mesh":
+        """The grid, its cells chosen to fit a silo where their size is not given."""
+        size = cell_sizes.chosen(silo, self.cell_size_m) if self.chosen else self.cell_size_m
+        if size == self.cell_size_m:
+            return self
+        found = self.model_copy(update={"cell_size_m": size})
+        found.__pydantic_fields_set__.discard("cell_size_m")
+        return found
+
+    def check(self, silo: Silo) -> None:
+        """Refuse cells that do not fit a silo, and name some that do."""
+        h = self.cell_size_m
+        for name, length in (("width", silo.width_m), ("height", silo.height_m)):
+            cells = length / h
+            if cells > MOST_CELLS * (1.0 + 1e-6):
+                raise ValueError(
+                    f"cell size is {h} m; it makes {cells:.4g} cells along the {name} of {length} m, at most "
+                    f"{MOST_CELLS} are allowed (lengths are in metres)"
+                )
+            if not cell_sizes.whole(length, h) or round(cells) < 2:
+                raise ValueError(
+                    f"cell size is {h} m; it must divide the {name} of {length} m into at least 2 whole cells: "
+                    f"{cell_sizes.remedy(silo, h)}"
+                )
+        left, right = silo.outlet_m
+        if right - left < 2.0 * h * (1.0 - 1e-9):
+            raise ValueError(
+                f"outlet width is {right - left:g} m; on cells of {h} m it must be at least {2 * h:g} m: "
+                f"{cell_sizes.remedy(silo, h)}"
+            )
+        edge = next((edge for edge in cell_sizes.edges(silo) if not cell_sizes.whole(edge, h)), None)
+        if silo.outlet is not None and edge is not None:
+            raise ValueError(
+                f"outlet width is {silo.outlet.width_m} m; its edge at x = {edge:g} m must lie on the grid, whose "
+                f"lines are {h} m apart: {cell_sizes.remedy(silo, h)}"
+            )
+        if silo.section == "round" and round(silo.width_m / h) % 2:
+            raise ValueError(
+                f"cell size is {h} m; it must divide the radius of {0.5 * silo.width_m} m of a round silo: "
+                f"{cell_sizes.remedy(silo, h)}"
+            )

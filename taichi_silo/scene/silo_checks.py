@@ -1,0 +1,116 @@
+"""Whether the parts of a silo fit each other: outline, outlet, hopper, inserts, and the symmetry of a round one."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from taichi_silo.scene import polygons
+from taichi_silo.scene.inserts import Insert
+
+if TYPE_CHECKING:
+    from taichi_silo.scene.silo import Outlet, Silo
+
+ALIKE = 1e-6  # of its area, by which the mirror image of a body may differ
+
+
+def check(silo: "Silo") -> None:
+    """Refuse a silo whose parts do not fit each other: a ValueError in a sentence."""
+    wide = silo.width_m
+    if silo.outline_m is not None:
+        _check_outline(silo, silo.outline_m)
+    if silo.outlet is not None and silo.hopper is not None:
+        raise ValueError("a silo has an outlet in its floor or a hopper, not both: a hopper ends in its own outlet")
+    if silo.outlet is not None:
+        _check_outlet(silo, silo.outlet)
+    if silo.hopper is not None:
+        if not silo.hopper.outlet_width_m < wide:
+            raise ValueError(
+                f"outlet width of the hopper is {silo.hopper.outlet_width_m} m; it must be below the silo's width "
+                f"of {wide} m"
+            )
+        if not silo.transition_m < silo.height_m:
+            raise ValueError(
+                f"half angle of the hopper is {silo.hopper.half_angle_deg} deg; it makes the hopper "
+                f"{silo.transition_m:.4g} m high, which must be below the fill's height of {silo.height_m} m"
+            )
+    for insert in silo.inserts:
+        _check_insert(silo, insert)
+    shapes = [shapely.Polygon(insert.outline(wide)) for insert in silo.inserts]
+    for number, one in enumerate(shapes):
+        if any(one.intersects(other) for other in shapes[:number]):
+            raise ValueError(f"insert {number + 1} overlaps another one; inserts must stand apart")
+    if silo.section == "round":
+        _check_round(silo)
+
+
+def _check_outline(silo: "Silo", outline_m: polygons.Corners) -> None:
+    if silo.hopper is not None:
+        raise ValueError("a silo has an outline or a hopper, not both: an outline has the hopper's walls in it")
+    left, right = polygons.sides(outline_m)
+    wide, high = max(left[:, 0].max(), right[:, 0].max()), left[-1, 1]
+    if abs(wide - silo.width_m) > polygons.SAME:
+        raise ValueError(f"width is {silo.width_m} m; that of the outline is {wide:g} m")
+    if silo.height_m > high + polygons.SAME:
+        raise ValueError(f"height is {silo.height_m} m; the outline ends at {high:g} m, and the fill not above it")
+    mirrored = np.column_stack([silo.width_m - left[:, 0], left[:, 1]])
+    if silo.section == "round" and not (len(left) == len(right) and np.allclose(mirrored, right, atol=1e-9)):
+        raise ValueError("the outline of a round silo must be symmetric about its axis")
+
+
+def _check_outlet(silo: "Silo", outlet: "Outlet") -> None:
+    first, last = silo.floor_m
+    b, (left, right) = outlet.width_m, silo.outlet_m
+    if not b < last - first:
+        width = "the silo's width" if silo.outline_m is None else "the floor's width"
+        raise ValueError(f"outlet width is {b} m; it must be below {width} of {last - first:g} m")
+    if left < first - polygons.SAME or right > last + polygons.SAME:
+        raise ValueError(
+            f"outlet position is {outlet.position} m; in a floor from {first:g} to {last:g} m the middle of "
+            f"{b} m must be between {first + 0.5 * b:g} and {last - 0.5 * b:g} m"
+        )
+
+
+def _check_insert(silo: "Silo", insert: Insert) -> None:
+    outline = insert.outline(silo.width_m)
+    low = outline[:, 1].min()
+    if low <= 0.0:
+        raise ValueError(f"the {insert.kind} reaches down to {low:g} m; it must stand above the floor at 0")
+    if outline[:, 1].max() >= silo.height_m:
+        raise ValueError(
+            f"the {insert.kind} reaches up to {outline[:, 1].max():.4g} m; it must be below the surface of the "
+            f"fill at {silo.height_m} m"
+        )
+    if not silo.body.contains_properly(shapely.Polygon(outline)):
+        raise ValueError(
+            f"the {insert.kind} between x = {outline[:, 0].min():.4g} and {outline[:, 0].max():.4g} m must stand "
+            f"free of the walls of a silo {silo.width_m} m wide"
+        )
+
+
+def _check_round(silo: "Silo") -> None:
+    if silo.outlet is not None and silo.outlet.position != "centre":
+        raise ValueError(
+            f"outlet position is {silo.outlet.position}; in a round silo, computed by its section, it must be centre"
+        )
+    wide = silo.width_m
+    for insert in silo.inserts:
+        middle = insert.centre_m(wide)
+        if any(_mirrored(insert, other, wide) for other in silo.inserts):
+            continue
+        if abs(middle - 0.5 * wide) < polygons.SAME:
+            raise ValueError(
+                f"the {insert.kind} at x = {middle:g} m is not symmetric about the axis of the round silo, which is at "
+                f"{0.5 * wide:g} m"
+            )
+        raise ValueError(
+            f"position of the {insert.kind} is {middle:g} m; in a round silo it must be the axis at {0.5 * wide:g} m, "
+            f"or its mirror image must stand at {wide - middle:g} m, so that both are a ring"
+        )
+
+
+def _mirrored(insert: Insert, other: Insert, wide_m: float) -> bool:
+    """Whether one body is the mirror image of another, or of itself, about the axis."""
+    image = shapely.Polygon(insert.outline(wide_m) * (-1.0, 1.0) + (wide_m, 0.0))
+    differs = image.symmetric_difference(shapely.Polygon(other.outline(wide_m))).area
+    return bool(differs < ALIKE * image.area) and insert.friction_angle_deg == other.friction_angle_deg
