@@ -29,7 +29,7 @@ class Number:
     unit: str
     scale: float  # what `relative` is over; nan for the value
     computed: float  # of the finest run
-    parts: Mapping[str, Limit]  # "grid", "length", "speed": of the sums g, l and s; "time": how the finest still changes
+    parts: Mapping[str, Limit]  # "grid", "length", "speed": of the sums g, l, s; "time": of the finest run
 
     @property
     def relative(self) -> float:
