@@ -45,7 +45,7 @@ def test_an_outlet_has_cells_enough_on_the_coarsest_grid_and_its_edges_on_every_
 
 
 def test_sides_that_no_common_cell_divides_are_refused_in_a_sentence():
-    with pytest.raises(BadInput, match="no square cell"):
+    with pytest.raises(BadInput, match="no square cells fit"):
         Ladder(SCENE.model_copy(update={"silo": SCENE.silo.model_copy(update={"height_m": 0.5 * math.sqrt(2.0)})}))
 
 

@@ -12,13 +12,11 @@ fine step also has runs at higher speeds.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from pydantic import ValidationError
-
 from taichi_silo.errors import BadInput
+from taichi_silo.scene import cell_sizes
 from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.scene.scene import Scene
 
@@ -26,7 +24,7 @@ FEWEST_ACROSS = 10  # cells across the silo, on the coarsest grid
 FEWEST_IN_OPENING = 4  # cells across an outlet or the mouth of a hopper, likewise
 FEWEST_IN_BODY = 2  # cells across an insert, likewise
 FINER, LEAST_FINER, MOST_FINER = 1.6, 1.3, 2.2  # ratio of the cells of a step to those of the next, as ASME V&V 20 asks
-MOST_ACROSS = 4000  # cells
+MOST_ACROSS = 2000  # cells
 SLOW = 6e-3  # v / sqrt(g b) below which the bottom may run: 8 mm/s in a silo of 0.2 m
 FASTER = 2.0  # ratio of speeds
 SPEEDS = 3  # of the bottom, where they count
@@ -126,43 +124,24 @@ class Ladder:
 
     def _next(self, before: float | None) -> float:
         """The cell size that follows another one, or the coarsest."""
+        silo = self.scene.silo
+        sizes = cell_sizes.dividing(silo, MOST_ACROSS)
         if before is None:
-            for cells in self._dividing(self._fewest_across(), MOST_ACROSS):
-                return self.scene.silo.width_m / cells
-            raise BadInput(f"{self._sizes}; no square cell divides all of that")
-        width = self.scene.silo.width_m
-        across = round(width / before)
-        fitting = list(self._dividing(math.ceil(LEAST_FINER * across), math.floor(MOST_FINER * across)))
-        if not fitting:
-            fitting = list(self._dividing(math.ceil(MOST_FINER * across), 4 * across))[:1]
-        if not fitting:
-            raise BadInput(f"{self._sizes}; no square cell between {before / 4:.3g} and {before:.3g} m divides all")
-        return width / min(fitting, key=lambda cells: abs(math.log(cells / (FINER * across))))
-
-    @property
-    def _sizes(self) -> str:
-        silo = self.scene.silo
-        return f"width is {silo.width_m:g} m and height {silo.height_m:g} m, outlet from {silo.outlet_m[0]:g} m on"
-
-    def _dividing(self, fewest: int, most: int) -> Iterator[int]:
-        """Numbers of cells across that divide the scene."""
-        silo = self.scene.silo
-        for cells in range(fewest, most + 1):
-            size = silo.width_m / cells
-            rows = silo.height_m / size
-            if abs(rows - round(rows)) > 1e-7 * rows or cells > MOST_ACROSS:
-                continue
-            try:
-                self.made(Rung(size, max(self.aim_m, size), self.scene.flow.speed_m_per_s))
-            except ValidationError:
-                continue
-            yield cells
+            fitting = sizes[silo.width_m / sizes >= self._fewest_across() * (1.0 - 1e-9)][:1]
+        else:
+            finer = before / sizes
+            fitting = sizes[(finer >= LEAST_FINER) & (finer <= MOST_FINER)]
+            fitting = fitting if len(fitting) else sizes[finer > MOST_FINER][:1]
+        if not len(fitting):
+            than = "" if before is None else f", finer than {before:.3g} m"
+            raise BadInput(f"width is {silo.width_m:g} m, height {silo.height_m:g} m; no square cells fit them{than}")
+        wanted = fitting[0] if before is None else before / FINER
+        return cell_sizes.short(silo, float(min(fitting, key=lambda size: abs(math.log(size / wanted)))))
 
     def _fewest_across(self) -> int:
         """Cells across that the coarsest grid needs, for the smallest thing in the scene."""
         silo = self.scene.silo
-        left, right = silo.outlet_m
-        wanted = [FEWEST_ACROSS, FEWEST_IN_OPENING * silo.width_m / (right - left)]
+        wanted = [FEWEST_ACROSS, FEWEST_IN_OPENING * silo.width_m / cell_sizes.opening_m(silo)]
         for insert in silo.inserts:
             corners = insert.outline(silo.width_m)
             wanted.append(FEWEST_IN_BODY * silo.width_m / float((corners.max(axis=0) - corners.min(axis=0)).min()))
