@@ -64,5 +64,5 @@ def inside_class(level_of_class_stackframe: int) -> bool:
 
 def position(context: Any, node: Any) -> str:
     """The text of a place in a source: file, line, function, and what stands there."""
-    line = node.lineno - 1
-    return f'File "{context.file}", line {line + 1 + context.lineno_offset}, in {context.func.func.__name__}:\n{context.src[line]}\n'
+    line, name = node.lineno + context.lineno_offset, context.func.func.__name__
+    return f'File "{context.file}", line {line}, in {name}:\n{context.src[node.lineno - 1]}\n'

@@ -1,5 +1,6 @@
 """Every field of the nodes, and where the nodes are."""
 
+from taichi_silo.mpm.field_memory import put, values
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 
@@ -61,7 +62,7 @@ class Grid:
         self.second_velocity = ti.Vector.field(2, real, shape=self.nodes)
         self.memory = ti.field(real, shape=(self.nodes, 3))
         self.stretch = ti.field(real, shape=copies)
-        self.stretch.fill(1.0)
+        put(self.stretch, 1.0)
 
     def hold_sums(self) -> None:
         """Have the three sums, which the vector unit keeps in arrays of its own."""
@@ -75,8 +76,8 @@ class Grid:
         """Stand as at the beginning."""
         sums = (self.mass, self.momentum, self.force) if self.mass is not None else ()
         for field in (*sums, self.velocity, self.change, self.second_velocity, self.memory):
-            field.fill(0.0)
-        self.stretch.fill(1.0)
+            put(field, 0.0)
+        put(self.stretch, 1.0)
 
     def node_along(self, position_m: float) -> int:
         """Index, along its axis, of the node at a coordinate.
@@ -95,7 +96,7 @@ class Grid:
     @property
     def present_height(self) -> float:
         """Distance of the plates [m] (Python scope)."""
-        return self.height * float(self.stretch[0])
+        return self.height * float(values(self.stretch)[0])
 
     @ti.func
     def node(self, i, j):

@@ -28,6 +28,7 @@ import numpy as np
 
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import Phase
+from taichi_silo.mpm.field_memory import put, values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
@@ -72,15 +73,13 @@ class PatchFilter:
         """Count the strain of each point from now on, if the points are others than before."""
         if self.revision != self.particles.revision:
             self.revision, self.way, self.steps = self.particles.revision, 0.0, 0
-            self._note_paths()
+            put(self.path, self.particles.array("path"), self.particles.number)
 
     def keep(self, stayed: np.ndarray) -> None:
         """Go on with those of the points (bool) that have stayed; the others have just been taken out."""
         if self.revision == self.particles.revision - 1:
             self.revision = self.particles.revision
-            path = np.zeros(self.particles.count)
-            path[: stayed.sum()] = self.path.to_numpy()[: len(stayed)][stayed]
-            self.path.from_numpy(path)
+            put(self.path, values(self.path, len(stayed))[stayed], int(stayed.sum()))
 
     def steps_within(self, speed_m_per_s: float, dt: float) -> int:
         """How many steps at this speed may pass before the next turn."""
@@ -98,11 +97,11 @@ class PatchFilter:
 
     def state(self) -> dict:
         """What outlives a launch, for a checkpoint."""
-        return {"path": self.path.to_numpy(), "way": self.way, "steps": self.steps}
+        return {"path": values(self.path), "way": self.way, "steps": self.steps}
 
     def restore(self, state: dict) -> None:
         """Go on from the points that are there now, and from what `state` gave."""
-        self.path.from_numpy(state["path"])
+        put(self.path, state["path"])
         self.revision, self.way, self.steps = self.particles.revision, state["way"], state["steps"]
 
     def turn(self) -> None:
@@ -112,13 +111,6 @@ class PatchFilter:
         self._fade(self.passes.points)
 
     # --- fields, whose components cannot be had where vectors stay vectors of the processor ------------------------
-
-    @ti.kernel
-    def _note_paths(self):
-        for p in range(self.particles.places()):
-            if not self.particles.is_there(p):
-                continue
-            self.path[p] = self.particles.path[p]
 
     @ti.kernel
     def _read(self, points: arrays_of_eight):

@@ -55,7 +55,6 @@ class PatchPasses:
         self.points = runtime.array(eight, 2 * particles.count)
         self.sums = runtime.array(eight, self.strips * grid.nodes)
         self.means, self.centres = runtime.array(eight, grid.nodes), runtime.array(eight, grid.nodes)
-        self.sums.fill(0.0)
         self.compiled = False
 
     def run(self) -> None:

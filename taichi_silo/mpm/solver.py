@@ -94,7 +94,7 @@ class Solver:
         self.stress_update = stress_update
         self.stable_fraction = shape.stable_fraction
         if surfaces:
-            density = float(particles.mass[0] / particles.volume[0])
+            density = float(particles.array("mass")[0] / particles.array("volume")[0])
             self.surfaces = Surfaces(surfaces, grid, density, len(self.walls), self.surroundings.geometry.depth)
         rubs = any(getattr(wall.contact, "coefficient", 0.0) > 0.0 for wall in (*self.walls, *surfaces))
         self.friction: Any = AtOnce()
