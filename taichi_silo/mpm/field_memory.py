@@ -16,7 +16,9 @@ from taichi_silo.mpm.language import NAME, ti
 def values(field: ti.Field, first: int | None = None) -> np.ndarray:
     """A copy of a field, whose last axis is that of its vectors; or of so many first entries."""
     seen = view(field)
-    return field.to_numpy()[:first] if seen is None else seen[:first].copy()
+    if seen is None:
+        seen = field.to_numpy()
+    return seen.copy() if first is None else seen[:first].copy()
 
 
 def put(field: ti.Field, given: ArrayLike, first: int | None = None) -> None:
@@ -36,6 +38,18 @@ def view(field: ti.Field) -> np.ndarray | None:
 
     That is on a GPU, in the fork of Taichi, and in trees with more than one level.
     """
+    seen = _known("views")
+    if id(field) not in seen:
+        seen[id(field)] = field, _seen(field)
+    return seen[id(field)][1]
+
+
+def _known(what: str) -> dict:
+    """What is known of fields until Taichi is started anew."""
+    return vars(ti.lang.impl.get_runtime()).setdefault(what, {})
+
+
+def _seen(field: ti.Field) -> np.ndarray | None:
     branch = field.parent()
     if NAME != "taichi" or not runtime.is_cpu() or branch.parent().parent() is not None:
         return None
@@ -55,8 +69,7 @@ def _shape(field: ti.Field) -> tuple[int, ...]:
 
 def _begin(field: ti.Field) -> int:
     """Address of the tree of a field."""
-    known = vars(ti.lang.impl.get_runtime()).setdefault("begins_of_trees", {})  # ends with the running Taichi
-    tree = field.snode._snode_tree_id
+    known, tree = _known("begins_of_trees"), field.snode._snode_tree_id
     if tree not in known:
         known[tree] = _address(field) - sum(
             place._offset_bytes_in_parent_cell for place in (field.snode, field.parent())
