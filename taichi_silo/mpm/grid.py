@@ -22,7 +22,7 @@ class Grid:
     force           copy, node  internal force [N/m]
     velocity        node        after the step [m/s]
     change          node        of the velocity in the step [m/s]
-    second_velocity node        velocities that went to the nodes once more in the step [m/s]
+    second_velocity node        velocities that went to the nodes once more in the step [m/s]; see `hold_second`
     memory          node, 3     exponential means of momentum (2) and mass, for the noise control [kg m/s /m, kg/m]
     stretch         copy        height of the grid over its first height [-], one copy for each thread
     ==============  ==========  ========================================================================
@@ -59,7 +59,7 @@ class Grid:
         self.velocity = ti.Vector.field(2, real)
         self.change = ti.Vector.field(2, real)
         ti.root.dense(ti.i, self.nodes).place(self.velocity, self.change)
-        self.second_velocity = ti.Vector.field(2, real, shape=self.nodes)
+        self.second_velocity = None
         self.memory = ti.field(real, shape=(self.nodes, 3))
         self.stretch = ti.field(real, shape=copies)
         put(self.stretch, 1.0)
@@ -72,10 +72,20 @@ class Grid:
             self.force = ti.Vector.field(2, real)
             ti.root.dense(ti.i, self.copies * self.nodes).place(self.mass, self.momentum, self.force)
 
+    def hold_second(self) -> None:
+        """Have the second velocity, which most steps have not."""
+        if self.second_velocity is None:
+            self.second_velocity = ti.Vector.field(2, real, shape=self.nodes)
+
+    def velocities(self) -> tuple[ti.Field, ...]:
+        """What points may gather."""
+        second = () if self.second_velocity is None else (self.second_velocity,)
+        return self.velocity, self.change, *second
+
     def forget_all(self) -> None:
         """Stand as at the beginning."""
         sums = (self.mass, self.momentum, self.force) if self.mass is not None else ()
-        for field in (*sums, self.velocity, self.change, self.second_velocity, self.memory):
+        for field in (*sums, *self.velocities(), self.memory):
             put(field, 0.0)
         put(self.stretch, 1.0)
 

@@ -57,6 +57,7 @@ class PatchFilter:
 
     ACTIVE = True
     BETWEEN_LAUNCHES = True
+    ROOM = 2  # arrays of eight for each point
 
     def __init__(self, particles: Particles, grid: Grid, law: Law, mirrored: bool = False):
         self.particles, self.grid, self.law = particles, grid, law
@@ -64,6 +65,10 @@ class PatchFilter:
         self.ACTIVE = self.BETWEEN_LAUNCHES = getattr(law, "FORGETS", True)
         self.revision, self.way, self.steps = -1, 0.0, 0  # of the points; way [cells] and steps since the last turn
         self.passes = PatchPasses(particles, grid, mirrored)
+
+    def borrow(self, points: ti.Ndarray, sums: ti.Ndarray) -> None:
+        """Work on arrays of the step, of which `points` keep nothing between launches, and `sums` are 0."""
+        self.passes.points, self.passes.sums = points, sums
 
     def phases(self) -> list[Phase]:
         """None: it acts between launches."""
@@ -106,6 +111,7 @@ class PatchFilter:
 
     def turn(self) -> None:
         """Let fade what is to fade."""
+        self.passes.hold()
         self._read(self.passes.points)
         self.passes.run()
         self._fade(self.passes.points)

@@ -15,7 +15,8 @@ NODAL = {"memory": "memory", "velocity": "velocity", "change": "change", "echo":
 
 def state_of(solver: Solver) -> dict:
     """Arrays, numbers, and dictionaries of them."""
-    kept: dict = {"nodes": {key: values(getattr(solver.grid, name)) for key, name in NODAL.items()}}
+    fields = {key: getattr(solver.grid, name) for key, name in NODAL.items()}
+    kept: dict = {"nodes": {key: values(field) for key, field in fields.items() if field is not None}}
     if solver.surfaces.ACTIVE:
         kept["surfaces"] = {name: values(getattr(solver.surfaces, name)) for name in ("traction", "seen")}
     if (order := solver.executor.state()) is not None:
@@ -37,7 +38,8 @@ def restore(solver: Solver, kept: dict, points: dict[str, np.ndarray], revision:
             solver.averaging.means.build()
     solver.particles.load(points, revision)
     for key, array in kept["nodes"].items():
-        put(getattr(solver.grid, NODAL[key]), array)
+        if (field := getattr(solver.grid, NODAL[key])) is not None:
+            put(field, array)
     for name, array in kept.get("surfaces", {}).items():
         put(getattr(solver.surfaces, name), array)
     if solver.filter.BETWEEN_LAUNCHES and "filter" in kept:

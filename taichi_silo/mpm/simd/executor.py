@@ -49,14 +49,15 @@ class Simd(Executor):
 
     def __init__(
         self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings,
-        averaging: Any,
+        averaging: Any, filtering: Any,
     ):  # fmt: skip
         self.particles, self.grid, self.shape = particles, grid, shape
         self.threads = runtime.threads()
         self.loop = PhaseLoop(phases, grid, self.threads)
         self.layout = Layout(particles, grid, shape, surroundings, averaging.KEPT)
-        self.points = runtime.array(eight, self.layout.groups * self.layout.record)
-        self.sums = runtime.array(eight, HALVES * grid.nodes)
+        room = max(self.layout.groups * self.layout.record, filtering.ROOM * particles.count)
+        self.points, self.sums = runtime.array(eight, room), runtime.array(eight, HALVES * grid.nodes)
+        filtering.borrow(self.points, self.sums)
         self.nodal = runtime.array(eight, grid.nodes)
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.strips = 2  # that the points are cut into
