@@ -3,7 +3,7 @@
     memory = process + bytes a point * points
     seconds = nanoseconds a point and step * points * steps / threads
 
-`python -m benchmarks.scale` prints both for a silo of 6 m x 20 m, and writes outputs/bench/scale.csv and memory.csv.
+`make scale` prints both for a silo of 6 m x 20 m, and writes outputs/bench/scale.csv and memory.csv.
 """
 
 import argparse
@@ -107,7 +107,7 @@ def main() -> None:
     ).round({"process_GiB": 2, "bytes_a_point": 0})
     for name, found in (("scale", table), ("memory", laws)):
         text = found.to_csv(index=False)
-        (FOLDER / f"{name}.csv").write_text(f"# python -m benchmarks.scale\n{text}", encoding="utf-8")
+        (FOLDER / f"{name}.csv").write_text(f"# make scale\n{text}", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """What the program costs before it steps: processor seconds (user and system), the best of some runs.
 
-`python -m benchmarks.start` prints the table and writes outputs/bench/start.csv.
+`make start` prints the table and writes outputs/bench/start.csv.
 """
 
 import argparse
@@ -58,7 +58,7 @@ def main() -> None:
         print(f"{row['what']:45s} {row['processor_seconds']:6.2f} s")
     FOLDER.mkdir(parents=True, exist_ok=True)
     with open(FOLDER / "start.csv", "w", newline="", encoding="utf-8") as stream:
-        stream.write("# python -m benchmarks.start\n")
+        stream.write("# make start\n")
         writer = csv.DictWriter(stream, COLUMNS)
         writer.writeheader()
         writer.writerows(rows)

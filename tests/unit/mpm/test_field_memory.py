@@ -13,10 +13,9 @@ def fields():
     """Fields as the package places them: alone, in records, in trees of their own."""
     place, mass = ti.Vector.field(2, ti.f64), ti.field(ti.f64)
     ti.root.dense(ti.i, 7).place(place, mass)
-    return [
-        place, mass, ti.field(ti.f64, shape=(3, 5)), ti.field(ti.f64, shape=(2, 3, 2)),
-        ti.Vector.field(4, ti.f64, shape=9), ti.Vector.field(2, ti.f64, shape=(3, 4)), ti.field(ti.i32, shape=3), runtime.whole_numbers(4, 5),
-    ]  # fmt: skip
+    several = ti.field(ti.f64, shape=(3, 5)), ti.field(ti.f64, shape=(2, 3, 2)), ti.field(ti.i32, shape=3)
+    vectors = ti.Vector.field(4, ti.f64, shape=9), ti.Vector.field(2, ti.f64, shape=(3, 4))
+    return [place, mass, *several, *vectors, runtime.whole_numbers(4, 5)]
 
 
 def numbers(field):
