@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper paper-check docs docs-serve test test-long bench parts endurance lint types clean
+.PHONY: setup silo four-cases noise element-tests study-biaxial stability chart paper paper-check docs docs-serve test test-long bench parts start scale endurance lint types clean
 
 setup: $(READY)
 
@@ -97,6 +97,14 @@ bench: $(READY)
 # what each part of the method costs, and what it changes in P, T and N (some minutes)
 parts: $(READY)
 	$(BIN)/python -m benchmarks.parts
+
+# what a start costs, in processor seconds (a minute or two)
+start: $(READY)
+	$(BIN)/python -m benchmarks.start
+
+# memory and time of a silo of any size (a minute; Linux)
+scale: $(READY)
+	$(BIN)/python -m benchmarks.scale
 
 # what long runs do: drift, memory, emptying and filling again (MINUTES of the paper's own speed, 30 if not given)
 endurance: $(READY)

@@ -43,6 +43,10 @@ def checked(scene: Scene | dict) -> Scene:
 DRAWING = (draw_film, draw_figures)  # at the end of a run
 
 
+def _drawing(figures: bool) -> tuple[session.Draw, ...]:
+    return tuple(draw for draw in DRAWING if figures or draw is not draw_figures)
+
+
 def _observers(film: Observer, extra: tuple, progress: bool) -> tuple[Observer, ...]:
     """The observers beside those of every run: of the film, those that were given, the progress line."""
     for one in extra:
@@ -57,6 +61,7 @@ def run(
     *,
     overwrite: bool = False,
     film: bool = True,
+    figures: bool = True,
     progress: bool = True,
     extra: tuple = (),
 ) -> Result:
@@ -68,6 +73,7 @@ def run(
     folder : where to leave it; the first free one of outputs/run, outputs/run-2, ... if not given.
     overwrite : replace a run that is there.
     film : draw the film.
+    figures : draw the figures; `taichi-silo report` draws what is missing later.
     progress : say what it will cost, and how far it is.
     extra : further observers (`taichi_silo.runs.observers.Observer`).
 
@@ -89,7 +95,7 @@ def run(
     where = place(folder, "folder") if folder is not None else free_name(Path("outputs") / "run")
     states = where / film_states.NAME
     observers = _observers(FilmRecorder(states) if film else FilmEnds(states), extra, progress)
-    return Result(session.run(scene, where, overwrite=overwrite, extra=observers, drawing=DRAWING))
+    return Result(session.run(scene, where, overwrite=overwrite, extra=observers, drawing=_drawing(figures)))
 
 
 def resume(
@@ -97,6 +103,7 @@ def resume(
     *,
     threads: int | None = None,
     film: bool | None = None,
+    figures: bool = True,
     progress: bool = True,
     extra: tuple = (),
 ) -> Result:
@@ -107,6 +114,7 @@ def resume(
     folder : of the run.
     threads : CPU threads; as many as before if not given.
     film : False draws no more of it; True or None go on with the film that was begun.
+    figures : as in `run`.
     progress : say from where the run goes on, and how far it is.
     extra : further observers; each takes up what one of its kind kept.
 
@@ -126,4 +134,4 @@ def resume(
     states = where / film_states.NAME
     recorder = FilmEnds(states) if film is False else FilmRecorder(states, wanted=film is True)
     observers = _observers(recorder, extra, progress)
-    return Result(session.resume(where, threads=threads, extra=observers, drawing=DRAWING))
+    return Result(session.resume(where, threads=threads, extra=observers, drawing=_drawing(figures)))

@@ -7,7 +7,15 @@ from typing import Any
 
 from taichi_silo import api
 from taichi_silo.cli import command_line, flags, model_silo
-from taichi_silo.cli.output_flags import ExplainFlag, FilmFlag, JsonFlag, OutputFlag, OverwriteFlag, QuietFlag
+from taichi_silo.cli.output_flags import (
+    ExplainFlag,
+    FiguresFlag,
+    FilmFlag,
+    JsonFlag,
+    OutputFlag,
+    OverwriteFlag,
+    QuietFlag,
+)
 from taichi_silo.scene.dotted_paths import tables_with
 from taichi_silo.scene.fidelity import STANDARD, Fidelity
 from taichi_silo.scene.fidelity import fidelity as named_fidelity
@@ -27,7 +35,17 @@ SHARED = (  # by all scenarios of a silo
     "method.noise_control", "machine.threads", "machine.arch", "output.records_per_period", "output.snapshots",
     *flags.METHOD,
 )  # fmt: skip
-RUN = ["sand", "fidelity", "output", "overwrite", "film", "explain", "quiet", "json"]  # parameters of all, no values
+RUN = [
+    "sand",
+    "fidelity",
+    "output",
+    "overwrite",
+    "film",
+    "figures",
+    "explain",
+    "quiet",
+    "json",
+]  # parameters of all, no values
 NOTES = {ANGLE: "; {dense:g} for dense and {loose:g} for loose sand if not given".format(**model_silo.SMOOTH_ANGLE_DEG)}
 
 
@@ -59,7 +77,8 @@ def silo_scenario(
     def scenario(
         *, sand: flags.SandFlag = scene.sand.name, fidelity: flags.FidelityFlag = STANDARD,
         output: OutputFlag = None, overwrite: OverwriteFlag = False, film: FilmFlag = True,
-        explain: ExplainFlag = False, quiet: QuietFlag = False, json: JsonFlag = False, **values: Any,
+        figures: FiguresFlag = True, explain: ExplainFlag = False, quiet: QuietFlag = False, json: JsonFlag = False,
+        **values: Any,
     ) -> Path | None:  # fmt: skip
         chosen, console = named_fidelity(fidelity), Console(quiet, json)
         tables = _tables(scene, flags.given(values, (*paths, *SHARED)), sand, chosen, (*paths, *SHARED))
@@ -78,7 +97,7 @@ def silo_scenario(
         folder = output.expanduser() if output else run_folder.free_name(usual)
         console.say(f"The run goes to {folder}.")
         lines = ProgressLine(console.terminal)
-        left = api.run(wanted, folder, overwrite=overwrite, film=film, progress=False, extra=(lines,))
+        left = api.run(wanted, folder, overwrite=overwrite, film=film, figures=figures, progress=False, extra=(lines,))
         command_line.tell(left.folder, console)
         return folder
 

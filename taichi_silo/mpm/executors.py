@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.field_memory import put, values
 from taichi_silo.mpm.field_store import Fields
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
@@ -72,7 +73,7 @@ class Barrier:
     def reserve(self, waits: int) -> int:
         """Arrivals before a launch in which each thread waits so many times."""
         if self.passed > MOST_ARRIVALS:
-            self.arrivals.fill(0)
+            put(self.arrivals, 0)
             self.passed = 0
         before = self.passed
         self.passed += waits * self.threads
@@ -80,7 +81,7 @@ class Barrier:
 
     def check(self) -> None:
         """Raise RunFailed if a thread waited in vain for the others."""
-        if self.threads > 1 and self.arrivals[LOST]:
+        if self.threads > 1 and values(self.arrivals)[LOST]:
             raise RunFailed("because the threads of a step lost each other; use fewer on a machine this busy")
 
     @ti.func

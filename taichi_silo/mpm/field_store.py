@@ -142,5 +142,5 @@ class Fields:
     def unfold(self, k, image):
         """Mirror the velocities of node k to node `image`."""
         mirror = ti.Vector([-1.0, 1.0])
-        for velocity in ti.static((self.grid.velocity, self.grid.change, self.grid.second_velocity)):
+        for velocity in ti.static(self.grid.velocities()):
             velocity[image] = mirror * velocity[k]

@@ -26,6 +26,10 @@ class Unfiltered:
     """Stresses stay as they are."""
 
     ACTIVE = BETWEEN_LAUNCHES = False
+    ROOM = 0
+
+    def borrow(self, points: ti.Ndarray, sums: ti.Ndarray) -> None:
+        """Nothing (see `PatchFilter`)."""
 
 
 @ti.data_oriented

@@ -54,7 +54,7 @@ def _speed_up(name: str) -> None:
     wrapping.textwrap = SimpleNamespace(fill=remember(textwrap.fill), dedent=textwrap.dedent)
     if name == "taichi":  # the fork remembers positions itself
         context = importlib.import_module("taichi.lang.ast.ast_transformer_utils").ASTTransformerContext
-        context.get_pos_info = positions_kept(context.get_pos_info)
+        context.get_pos_info = position
 
 
 def inside_class(level_of_class_stackframe: int) -> bool:
@@ -62,15 +62,7 @@ def inside_class(level_of_class_stackframe: int) -> bool:
     return HEADS.match(line_of(sys._getframe(level_of_class_stackframe)).strip()) is not None
 
 
-def positions_kept(get_pos_info: Any) -> Any:
-    """Taichi's function for the text of a place in a source, of which each function now keeps its own texts."""
-
-    @functools.wraps(get_pos_info)
-    def text(context: Any, node: Any) -> str:
-        kept = context.func.__dict__.setdefault("kept_positions", {})
-        place = type(node), node.lineno, node.col_offset, node.end_lineno, node.end_col_offset
-        if place not in kept:
-            kept[place] = get_pos_info(context, node)
-        return kept[place]
-
-    return text
+def position(context: Any, node: Any) -> str:
+    """The text of a place in a source: file, line, function, and what stands there."""
+    line, name = node.lineno + context.lineno_offset, context.func.func.__name__
+    return f'File "{context.file}", line {line}, in {name}:\n{context.src[node.lineno - 1]}\n'

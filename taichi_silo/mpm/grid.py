@@ -1,5 +1,6 @@
 """Every field of the nodes, and where the nodes are."""
 
+from taichi_silo.mpm.field_memory import put, values
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 
@@ -21,7 +22,7 @@ class Grid:
     force           copy, node  internal force [N/m]
     velocity        node        after the step [m/s]
     change          node        of the velocity in the step [m/s]
-    second_velocity node        velocities that went to the nodes once more in the step [m/s]
+    second_velocity node        velocities that went to the nodes once more in the step [m/s]; see `hold_second`
     memory          node, 3     exponential means of momentum (2) and mass, for the noise control [kg m/s /m, kg/m]
     stretch         copy        height of the grid over its first height [-], one copy for each thread
     ==============  ==========  ========================================================================
@@ -58,10 +59,10 @@ class Grid:
         self.velocity = ti.Vector.field(2, real)
         self.change = ti.Vector.field(2, real)
         ti.root.dense(ti.i, self.nodes).place(self.velocity, self.change)
-        self.second_velocity = ti.Vector.field(2, real, shape=self.nodes)
+        self.second_velocity = None
         self.memory = ti.field(real, shape=(self.nodes, 3))
         self.stretch = ti.field(real, shape=copies)
-        self.stretch.fill(1.0)
+        put(self.stretch, 1.0)
 
     def hold_sums(self) -> None:
         """Have the three sums, which the vector unit keeps in arrays of its own."""
@@ -71,12 +72,22 @@ class Grid:
             self.force = ti.Vector.field(2, real)
             ti.root.dense(ti.i, self.copies * self.nodes).place(self.mass, self.momentum, self.force)
 
+    def hold_second(self) -> None:
+        """Have the second velocity, which most steps have not."""
+        if self.second_velocity is None:
+            self.second_velocity = ti.Vector.field(2, real, shape=self.nodes)
+
+    def velocities(self) -> tuple[ti.Field, ...]:
+        """What points may gather."""
+        second = () if self.second_velocity is None else (self.second_velocity,)
+        return self.velocity, self.change, *second
+
     def forget_all(self) -> None:
         """Stand as at the beginning."""
         sums = (self.mass, self.momentum, self.force) if self.mass is not None else ()
-        for field in (*sums, self.velocity, self.change, self.second_velocity, self.memory):
-            field.fill(0.0)
-        self.stretch.fill(1.0)
+        for field in (*sums, *self.velocities(), self.memory):
+            put(field, 0.0)
+        put(self.stretch, 1.0)
 
     def node_along(self, position_m: float) -> int:
         """Index, along its axis, of the node at a coordinate.
@@ -95,7 +106,7 @@ class Grid:
     @property
     def present_height(self) -> float:
         """Distance of the plates [m] (Python scope)."""
-        return self.height * float(self.stretch[0])
+        return self.height * float(values(self.stretch)[0])
 
     @ti.func
     def node(self, i, j):

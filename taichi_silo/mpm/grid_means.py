@@ -19,6 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from taichi_silo.mpm.contracts import Kernel
+from taichi_silo.mpm.field_memory import put
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.means import Means
@@ -102,8 +103,8 @@ class GridMeans(Means):
         active, volume = len(place), self.origin["volume"][:, None]
         first[:active] = node[1] * self.columns + node[0]
         weights[:active, :7] = np.concatenate([parts[0], parts[1] * volume, 1.0 / volume], axis=1)
-        self.first.from_numpy(first)
-        self.weights.from_numpy(weights)
+        put(self.first, first)
+        put(self.weights, weights)
         self._normalise()
 
     @ti.func

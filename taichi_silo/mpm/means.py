@@ -6,6 +6,7 @@ import numpy as np
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Kernel
+from taichi_silo.mpm.field_memory import put
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
@@ -74,12 +75,11 @@ class Means:
 
     def build(self) -> None:
         """Build from the points as they are now; points whose place is no number leave it as it is."""
-        active = self.particles.active[None]
-        place = self.particles.position.to_numpy()[:active]
+        place = self.particles.array("position")
         if not np.isfinite(place).all():
             return  # the guard will stop the run
-        self.origin = {"position": place, "volume": self.particles.volume.to_numpy()[:active]}
-        self.sand.from_numpy(np.pad(self._share_of_sand(place * self.counts), (0, self.particles.count - active)))
+        self.origin = {"position": place, "volume": self.particles.array("volume")}
+        put(self.sand, self._share_of_sand(place * self.counts), len(place))
         self._note_places()
         self._build(place * self.counts)
         self.builds += 1

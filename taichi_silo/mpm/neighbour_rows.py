@@ -7,6 +7,7 @@ import numpy as np
 
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm.contracts import Kernel
+from taichi_silo.mpm.field_memory import put
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.means import Means
 from taichi_silo.mpm.particles import Particles
@@ -91,7 +92,7 @@ class NeighbourRows(Means):
             )
         full = np.full(self.particles.count + 2, start[-1], dtype=np.int32)
         full[: len(start)] = start
-        self.start.from_numpy(full)
+        put(self.start, full)
         self._fill(order, first, bins.astype(np.int32), across, rows)
 
     @ti.func

@@ -3,6 +3,7 @@
 import numpy as np
 
 from taichi_silo.mpm.contracts import Wall
+from taichi_silo.mpm.field_memory import put, values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real, whole_numbers
@@ -43,8 +44,8 @@ class NodalImpulses:
         place = wall * self.slots + slot[wall, node]
         order = np.argsort(place, kind="stable")
         self.node, self.begin = whole_numbers(max(len(order), 1)), whole_numbers(self.sums + 1)
-        self.node.from_numpy(np.resize(node[order], max(len(order), 1)).astype(np.int32))
-        self.begin.from_numpy(np.searchsorted(place[order], np.arange(self.sums + 1)).astype(np.int32))
+        put(self.node, np.resize(node[order], max(len(order), 1)))
+        put(self.begin, np.searchsorted(place[order], np.arange(self.sums + 1)))
 
     def _slots_of_walls(self) -> np.ndarray:
         """Slot of each node at each wall on grid lines (wall, node); -1 where that does not hold it."""
@@ -97,4 +98,4 @@ class NodalImpulses:
     def read_and_reset(self) -> tuple[np.ndarray, np.ndarray]:
         """As of `Impulses`."""
         self.take()
-        return self.of_report(self.report.to_numpy())
+        return self.of_report(values(self.report))

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from taichi_silo.mpm.contracts import Law
+from taichi_silo.mpm.field_memory import values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
@@ -31,7 +32,7 @@ class PartialSums(PointSums):
     def read(self) -> SimpleNamespace:
         """As of `PointSums`."""
         self.take()
-        return self.of_report(self.found.to_numpy())
+        return self.of_report(values(self.found))
 
     def of_report(self, report: np.ndarray) -> SimpleNamespace:
         """The result, from the whole report."""

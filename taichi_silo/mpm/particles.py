@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from taichi_silo.mpm.contracts import Law, Shape, Transfer
+from taichi_silo.mpm.field_memory import put, values
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import is_cpu, real, real_place, whole_numbers
 
@@ -28,8 +29,8 @@ class Particles:
     affine          4           velocity gradient (xx, xy, yx, yy) given to the nodes [1/s]; only for some transfers
     ==============  ==========  ========================================================================
 
-    `active` is the number of points that have not left. The void ratio is no field of its own: e = volume * grain
-    density / mass - 1. In axial symmetry masses and volumes are per radian.
+    `active` is the number of points that have not left, for kernels; `number` is the same in Python. The void ratio is
+    no field of its own: e = volume * grain density / mass - 1. In axial symmetry masses and volumes are per radian.
     """
 
     NAMES = ("position", "velocity", "stress", "mass", "volume", "path")
@@ -48,7 +49,7 @@ class Particles:
             for field in self.fields.values():
                 ti.root.dense(ti.i, count).place(field)
         self.active = whole_numbers()
-        self.active[None] = count
+        self._count_active(count)
 
     @classmethod
     def lattice(
@@ -135,7 +136,11 @@ class Particles:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All fields as arrays, first axis the active points."""
-        return {name: getattr(self, name).to_numpy()[: self.active[None]] for name in self.names}
+        return {name: self.array(name) for name in self.names}
+
+    def array(self, name: str) -> np.ndarray:
+        """A field as an array, first axis the active points."""
+        return values(self.fields[name], self.number)
 
     def load(self, arrays: Mapping[str, np.ndarray], revision: int | None = None) -> None:
         """Set all fields from arrays of the same shapes, of at most `count` points; `affine` may be left out (0).
@@ -143,11 +148,10 @@ class Particles:
         The state gets the next number of revision, or the one that it had when it was saved.
         """
         self.revision = self.revision + 1 if revision is None else revision
-        number = len(arrays["mass"])
-        for name in self.names:
-            field = getattr(self, name)
-            full = np.zeros((self.count, self.WIDTHS[name]) if name in self.WIDTHS else self.count)
-            if name in arrays or name != "affine":
-                full[:number] = arrays[name]
-            field.from_numpy(full)
-        self.active[None] = number
+        self._count_active(len(arrays["mass"]))
+        for name, field in self.fields.items():
+            put(field, arrays[name] if name in arrays or name != "affine" else 0.0, self.number)
+
+    def _count_active(self, number: int) -> None:
+        self.number = number
+        put(self.active, number)

@@ -28,6 +28,7 @@ import numpy as np
 
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import Phase
+from taichi_silo.mpm.field_memory import put, values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
@@ -56,6 +57,7 @@ class PatchFilter:
 
     ACTIVE = True
     BETWEEN_LAUNCHES = True
+    ROOM = 2  # arrays of eight for each point
 
     def __init__(self, particles: Particles, grid: Grid, law: Law, mirrored: bool = False):
         self.particles, self.grid, self.law = particles, grid, law
@@ -63,6 +65,10 @@ class PatchFilter:
         self.ACTIVE = self.BETWEEN_LAUNCHES = getattr(law, "FORGETS", True)
         self.revision, self.way, self.steps = -1, 0.0, 0  # of the points; way [cells] and steps since the last turn
         self.passes = PatchPasses(particles, grid, mirrored)
+
+    def borrow(self, points: ti.Ndarray, sums: ti.Ndarray) -> None:
+        """Work on arrays of the step, of which `points` keep nothing between launches, and `sums` are 0."""
+        self.passes.points, self.passes.sums = points, sums
 
     def phases(self) -> list[Phase]:
         """None: it acts between launches."""
@@ -72,15 +78,13 @@ class PatchFilter:
         """Count the strain of each point from now on, if the points are others than before."""
         if self.revision != self.particles.revision:
             self.revision, self.way, self.steps = self.particles.revision, 0.0, 0
-            self._note_paths()
+            put(self.path, self.particles.array("path"), self.particles.number)
 
     def keep(self, stayed: np.ndarray) -> None:
         """Go on with those of the points (bool) that have stayed; the others have just been taken out."""
         if self.revision == self.particles.revision - 1:
             self.revision = self.particles.revision
-            path = np.zeros(self.particles.count)
-            path[: stayed.sum()] = self.path.to_numpy()[: len(stayed)][stayed]
-            self.path.from_numpy(path)
+            put(self.path, values(self.path, len(stayed))[stayed], int(stayed.sum()))
 
     def steps_within(self, speed_m_per_s: float, dt: float) -> int:
         """How many steps at this speed may pass before the next turn."""
@@ -98,27 +102,21 @@ class PatchFilter:
 
     def state(self) -> dict:
         """What outlives a launch, for a checkpoint."""
-        return {"path": self.path.to_numpy(), "way": self.way, "steps": self.steps}
+        return {"path": values(self.path), "way": self.way, "steps": self.steps}
 
     def restore(self, state: dict) -> None:
         """Go on from the points that are there now, and from what `state` gave."""
-        self.path.from_numpy(state["path"])
+        put(self.path, state["path"])
         self.revision, self.way, self.steps = self.particles.revision, state["way"], state["steps"]
 
     def turn(self) -> None:
         """Let fade what is to fade."""
+        self.passes.hold()
         self._read(self.passes.points)
         self.passes.run()
         self._fade(self.passes.points)
 
     # --- fields, whose components cannot be had where vectors stay vectors of the processor ------------------------
-
-    @ti.kernel
-    def _note_paths(self):
-        for p in range(self.particles.places()):
-            if not self.particles.is_there(p):
-                continue
-            self.path[p] = self.particles.path[p]
 
     @ti.kernel
     def _read(self, points: arrays_of_eight):

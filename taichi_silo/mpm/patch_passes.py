@@ -52,11 +52,16 @@ class PatchPasses:
         self.shared = not runtime.is_cpu()
         self.strips = 1 if self.shared else STRIPS
         self.lists: Any = CellLists(particles, grid, self.weights) if self.shared else None
-        self.points = runtime.array(eight, 2 * particles.count)
-        self.sums = runtime.array(eight, self.strips * grid.nodes)
+        self.points: Any = None
+        self.sums: Any = None
         self.means, self.centres = runtime.array(eight, grid.nodes), runtime.array(eight, grid.nodes)
-        self.sums.fill(0.0)
         self.compiled = False
+
+    def hold(self) -> None:
+        """Have points and sums, if the step has not lent its own."""
+        if self.points is None:
+            self.points = runtime.array(eight, 2 * self.particles.count)
+            self.sums = runtime.array(eight, self.strips * self.grid.nodes)
 
     def run(self) -> None:
         """Leave in `points` what the passes leave of the stresses that stand there."""

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from taichi_silo.mpm.contracts import Law
+from taichi_silo.mpm.field_memory import values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
@@ -43,12 +44,12 @@ class PointSums:
 
         """
         self.take()
-        return self.named(self.found.to_numpy())
+        return self.named(values(self.found))
 
     @staticmethod
-    def named(values: np.ndarray) -> SimpleNamespace:
-        """Values in the order of KINDS by their names."""
-        named = dict(zip(KINDS, values, strict=True))
+    def named(numbers: np.ndarray) -> SimpleNamespace:
+        """Numbers in the order of KINDS by their names."""
+        named = dict(zip(KINDS, numbers, strict=True))
         return SimpleNamespace(**named | {name: int(named[name]) for name in COUNTS})
 
     def speed(self) -> float:

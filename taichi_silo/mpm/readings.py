@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from taichi_silo.mpm.contracts import Law, Wall
+from taichi_silo.mpm.field_memory import values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.nodal_impulses import NodalImpulses
 from taichi_silo.mpm.partial_sums import PartialSums
@@ -46,5 +47,5 @@ class TaskReadings(Readings):
         """As of `Readings`."""
         self.sums.take()
         self.impulses.take()
-        report = self.impulses.report.to_numpy()
+        report = values(self.impulses.report)
         return *self.impulses.of_report(report), self.sums.of_report(report)

@@ -94,7 +94,7 @@ class Solver:
         self.stress_update = stress_update
         self.stable_fraction = shape.stable_fraction
         if surfaces:
-            density = float(particles.mass[0] / particles.volume[0])
+            density = float(particles.array("mass")[0] / particles.array("volume")[0])
             self.surfaces = Surfaces(surfaces, grid, density, len(self.walls), self.surroundings.geometry.depth)
         rubs = any(getattr(wall.contact, "coefficient", 0.0) > 0.0 for wall in (*self.walls, *surfaces))
         self.friction: Any = AtOnce()
@@ -118,7 +118,7 @@ class Solver:
             simd = not self.simd_refused
         self.averaging.hold(HALVES if simd else 1 if on_tasks else runtime.threads())
         if simd:
-            return Simd(phases, self.particles, self.grid, self.shape, self.surroundings, self.averaging)
+            return Simd(phases, self.particles, self.grid, self.shape, self.surroundings, self.averaging, self.filter)
         store = Fields(self.particles, self.grid, self.shape, on_tasks)
         return Tasks(phases, store) if on_tasks else Threads(phases, store)
 
@@ -137,6 +137,8 @@ class Solver:
         if self.transfer.SECOND_TRANSFER and self.stress_update != "last":
             given = f"stress update is {self.stress_update!r}"
             raise ValueError(f"{given}; with the transfer {self.transfer} it must be 'last'")
+        if self.stress_update != "last" or self.transfer.SECOND_TRANSFER:
+            self.grid.hold_second()
         velocity, second = self.grid.velocity, self.grid.second_velocity
         press = [Phase(ROWS, self._press)] if self.surfaces.ACTIVE else []
         after = [*self.averaging.phases(), Phase(POINTS, self._respond)] if self.averaging.ACTIVE else []

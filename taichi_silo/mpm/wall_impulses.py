@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from taichi_silo.mpm.field_memory import put, values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
@@ -45,7 +46,7 @@ class Impulses:
 
     def read_and_reset(self) -> tuple[np.ndarray, np.ndarray]:
         """Reaction (walls, slots, 2) and control (rows, 2) since the last call [N s/m]."""
-        found = self.reaction.to_numpy(), self.control.to_numpy()
-        self.reaction.fill(0.0)
-        self.control.fill(0.0)
+        found = values(self.reaction), values(self.control)
+        put(self.reaction, 0.0)
+        put(self.control, 0.0)
         return found

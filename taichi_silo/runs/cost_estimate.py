@@ -15,6 +15,7 @@ import numpy as np
 
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.field_memory import put
 from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.mpm.shapes import SHAPES
@@ -125,7 +126,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
             if begun > FIRST_INTERVALS:
                 rates.append((clock() - started) / count)
     model.particles.load(points)
-    model.grid.memory.fill(0.0)
+    put(model.grid.memory, 0.0)
     solver.surfaces.clear()
     solver.impulses.read_and_reset()
     return float(np.median(rates)) if rates else math.nan  # some get interrupted

@@ -46,7 +46,8 @@ def stored(points: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 def write(file: Path, points: dict[str, np.ndarray]) -> None:
     """Write a state; points that are not finite are left out."""
     sound = np.all([np.isfinite(values).all(axis=tuple(range(1, values.ndim))) for values in points.values()], axis=0)
-    points = {name: values[sound] for name, values in points.items()}
+    if not sound.all():
+        points = {name: values[sound] for name, values in points.items()}
     vtu.write(file, vtu.spatial(points["position"]), stored(points))
 
 

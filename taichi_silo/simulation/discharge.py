@@ -59,14 +59,14 @@ class Discharge:
         Which of the points have stayed (n,), None if all have.
 
         """
-        x, height = self.particles.fields["position"].to_numpy()[: self.particles.active[None]].T
+        x, height = self.particles.array("position").T
         (left, right), d = self.opening_m, self.spacing_m
         below = (x > left - d) & (x < right + d)
         gone = height < np.where(below, self.exit_m, 0.25 * self.exit_m)
         partly = below & (height < 0.5 * d) & ~gone
         self.passing = 0.0
         if partly.any():
-            masses = self.particles.fields["mass"].to_numpy()[: len(height)][partly]
+            masses = self.particles.array("mass")[partly]
             self.passing = float(masses @ np.minimum(0.5 - height[partly] / d, 1.0))
         if not gone.any():
             return None

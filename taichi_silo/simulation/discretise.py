@@ -123,15 +123,15 @@ def fill_of(scene: Scene, section: Section, law: GudehusBauer | Intergranular, d
     count, volume = len(x), volume * section.geometry.depth(x)
     state = {
         "position": np.stack([x, y], axis=1),
-        "velocity": np.zeros((count, 2)),
-        "stress": np.tile([-law.rest_stress] * 3 + [0.0], (count, 1)),
+        "velocity": np.broadcast_to(0.0, (count, 2)),  # what all points have alike takes no room
+        "stress": np.broadcast_to([-law.rest_stress] * 3 + [0.0], (count, 4)),
         "mass": density * volume,
         "volume": volume,
-        "path": np.zeros(count),
-        "domain": np.tile([d, 0.0, 0.0, d], (count, 1)),
+        "path": np.broadcast_to(0.0, count),
+        "domain": np.broadcast_to([d, 0.0, 0.0, d], (count, 4)),
     }
     if isinstance(law, Intergranular):  # the last strain is that of filling: vertical compression
-        state["intergranular"] = np.tile([0.0, -law.radius, 0.0, 0.0], (count, 1))
+        state["intergranular"] = np.broadcast_to([0.0, -law.radius, 0.0, 0.0], (count, 4))
     return state
 
 

@@ -61,7 +61,7 @@ def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None
         clock.flow_start is None
         or clock.time >= clock.flow_start + flow.longest_s
         or clock.displacement >= flow.displacement_m
-        or not model.particles.active[None]
+        or not model.particles.number
         or clock.time - clock.left_at >= AT_REST_S
     ):
         return None

@@ -7,6 +7,7 @@ they are built once more. All other fields are made anew in each step.
 
 import numpy as np
 
+from taichi_silo.mpm.field_memory import put, values
 from taichi_silo.mpm.solver import Solver
 
 NODAL = {"memory": "memory", "velocity": "velocity", "change": "change", "echo": "second_velocity"}  # key: field
@@ -14,9 +15,10 @@ NODAL = {"memory": "memory", "velocity": "velocity", "change": "change", "echo":
 
 def state_of(solver: Solver) -> dict:
     """Arrays, numbers, and dictionaries of them."""
-    kept: dict = {"nodes": {key: getattr(solver.grid, name).to_numpy() for key, name in NODAL.items()}}
+    fields = {key: getattr(solver.grid, name) for key, name in NODAL.items()}
+    kept: dict = {"nodes": {key: values(field) for key, field in fields.items() if field is not None}}
     if solver.surfaces.ACTIVE:
-        kept["surfaces"] = {name: getattr(solver.surfaces, name).to_numpy() for name in ("traction", "seen")}
+        kept["surfaces"] = {name: values(getattr(solver.surfaces, name)) for name in ("traction", "seen")}
     if (order := solver.executor.state()) is not None:
         kept["lanes"] = order
     if solver.filter.BETWEEN_LAUNCHES and solver.filter.revision == solver.particles.revision:
@@ -35,10 +37,11 @@ def restore(solver: Solver, kept: dict, points: dict[str, np.ndarray], revision:
             solver.particles.load(points | origin, revision)
             solver.averaging.means.build()
     solver.particles.load(points, revision)
-    for key, values in kept["nodes"].items():
-        getattr(solver.grid, NODAL[key]).from_numpy(values)
-    for name, values in kept.get("surfaces", {}).items():
-        getattr(solver.surfaces, name).from_numpy(values)
+    for key, array in kept["nodes"].items():
+        if (field := getattr(solver.grid, NODAL[key])) is not None:
+            put(field, array)
+    for name, array in kept.get("surfaces", {}).items():
+        put(getattr(solver.surfaces, name), array)
     if solver.filter.BETWEEN_LAUNCHES and "filter" in kept:
         solver.filter.restore(kept["filter"])
     solver.executor.restore(kept.get("lanes"))

@@ -204,8 +204,7 @@ class Simulation:
         """Of the sand that is in the silo now [kg/m]."""
         particles = self.model.particles
         if self._held[0] != particles.revision:
-            there = particles.fields["mass"].to_numpy()[: particles.active[None]]
-            self._held = particles.revision, self.model.section.factor * float(there.sum())
+            self._held = particles.revision, self.model.section.factor * float(particles.array("mass").sum())
         return self._held[1]
 
     @property

@@ -36,18 +36,20 @@ def write(file: Path, places: np.ndarray, arrays: dict[str, np.ndarray]) -> None
         "types": np.full(count, VERTEX, np.uint8),
     }
     blocks: dict[str, dict[str, np.ndarray]] = {"PointData": arrays, "Points": {"Points": places}, "Cells": cells}
-    body = "".join(
-        f"<{block}>{''.join(_array(name, values) for name, values in found.items())}</{block}>\n"
-        for block, found in blocks.items()
-    )
     order = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
-    text = (
+    head = (
         f'<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="0.1" byte_order="{order}" '
         'header_type="UInt32" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>'
-        f'<Piece NumberOfPoints="{count}" NumberOfCells="{count}">\n{body}</Piece></UnstructuredGrid>\n</VTKFile>\n'
+        f'<Piece NumberOfPoints="{count}" NumberOfCells="{count}">\n'
     )
-    with atomic_write.written(file) as passing:
-        passing.write_text(text, encoding="ascii")
+    with atomic_write.written(file) as passing, open(passing, "w", encoding="ascii", newline="\n") as stream:
+        stream.write(head)
+        for block, found in blocks.items():
+            stream.write(f"<{block}>")
+            for name, values in found.items():
+                stream.write(_array(name, values))
+            stream.write(f"</{block}>\n")
+        stream.write("</Piece></UnstructuredGrid>\n</VTKFile>\n")
 
 
 def _array(name: str, values: np.ndarray) -> str:

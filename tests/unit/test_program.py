@@ -105,8 +105,11 @@ def test_a_scene_runs_from_its_file_and_says_where_it_is(tmp_path):
     assert Path(found["folder"]) == Path("outputs/mine")
     assert found["summary"]["finished"]
     assert (tmp_path / "outputs/mine/forces.csv").exists()
-    again = program("run", "outputs/mine/run.toml", "--no-film", "--quiet", "--output", "again", cwd=tmp_path)
+    assert (tmp_path / "outputs/mine/figures/forces.png").exists()
+    words = ("--no-film", "--no-figures", "--quiet", "--output", "again")
+    again = program("run", "outputs/mine/run.toml", *words, cwd=tmp_path)
     assert (again.returncode, again.stdout) == (0, ""), again.stderr
+    assert not (tmp_path / "again/figures").exists()
     assert (tmp_path / "again/forces.csv").read_bytes() == (tmp_path / "outputs/mine/forces.csv").read_bytes()
     there = program("run", "mine.toml", "--output", "again", cwd=tmp_path)
     assert there.returncode == 2

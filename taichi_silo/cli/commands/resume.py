@@ -5,7 +5,7 @@ from typing import Annotated
 
 from typer import Argument, Option
 
-from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
+from taichi_silo.cli.output_flags import FiguresFlag, JsonFlag, QuietFlag
 from taichi_silo.utils.console import Console
 
 
@@ -13,6 +13,7 @@ def resume(
     folder: Annotated[Path, Argument(metavar="DIR", help="folder of the run, such as outputs/mass_flow_e0.60_smooth")],
     threads: Annotated[int | None, Option(help="CPU threads; as many as before if not given")] = None,
     film: Annotated[bool, Option("--film/--no-film", help="go on with the film, if the run has one")] = True,
+    figures: FiguresFlag = True,
     quiet: QuietFlag = False,
     json: JsonFlag = False,
 ) -> None:
@@ -33,5 +34,5 @@ def resume(
         console.say(f"The run in {folder} is finished; there is nothing to go on with.")
     else:
         lines = (ProgressLine(console.terminal),)
-        api.resume(folder, threads=threads, film=None if film else False, progress=False, extra=lines)
+        api.resume(folder, threads=threads, film=None if film else False, figures=figures, progress=False, extra=lines)
     tell(folder.expanduser(), console)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from taichi_silo.cli.output_flags import ExplainFlag, FilmFlag, JsonFlag, OverwriteFlag, QuietFlag
+from taichi_silo.cli.output_flags import ExplainFlag, FiguresFlag, FilmFlag, JsonFlag, OverwriteFlag, QuietFlag
 
 OPTIONS = {"context_settings": {"ignore_unknown_options": True, "allow_extra_args": True}, "add_help_option": False}
 
@@ -53,6 +53,7 @@ def scene_file(
     ] = None,
     overwrite: OverwriteFlag = False,
     film: FilmFlag = True,
+    figures: FiguresFlag = True,
     change: Annotated[
         list[str] | None,
         typer.Option("--set", help="PATH=VALUE: another value, such as --set flow.speed_m_per_s=0.005; repeatable"),
@@ -95,5 +96,5 @@ def scene_file(
     folder = output.expanduser() if output else free_name(Path("outputs") / named(scene))
     console.say(f"The run goes to {folder}.")
     lines = (ProgressLine(console.terminal),)
-    left = api.run(wanted, folder, overwrite=overwrite, film=film, progress=False, extra=lines)
+    left = api.run(wanted, folder, overwrite=overwrite, film=film, figures=figures, progress=False, extra=lines)
     command_line.tell(left.folder, console)

@@ -12,6 +12,7 @@ import numpy as np
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.executors import Executor, Phase, PhaseLoop
+from taichi_silo.mpm.field_memory import put, values
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
@@ -48,17 +49,16 @@ class Simd(Executor):
 
     def __init__(
         self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings,
-        averaging: Any,
+        averaging: Any, filtering: Any,
     ):  # fmt: skip
         self.particles, self.grid, self.shape = particles, grid, shape
         self.threads = runtime.threads()
         self.loop = PhaseLoop(phases, grid, self.threads)
         self.layout = Layout(particles, grid, shape, surroundings, averaging.KEPT)
-        self.points = runtime.array(eight, self.layout.groups * self.layout.record)
-        self.sums = runtime.array(eight, HALVES * grid.nodes)
+        room = max(self.layout.groups * self.layout.record, filtering.ROOM * particles.count)
+        self.points, self.sums = runtime.array(eight, room), runtime.array(eight, HALVES * grid.nodes)
+        filtering.borrow(self.points, self.sums)
         self.nodal = runtime.array(eight, grid.nodes)
-        self.sums.fill(0.0)
-        self.nodal.fill(0.0)
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.strips = 2  # that the points are cut into
         # rows of cells between points of strips with the same sums: no common node, and a row that either may move
@@ -89,7 +89,7 @@ class Simd(Executor):
 
     def state(self) -> dict | None:
         """What outlives a launch beside the fields: the order of the points, and when they were sorted."""
-        return {"sorted": list(self.sorted), "order": self.layout.order.to_numpy(), "strips": self.strips}
+        return {"sorted": list(self.sorted), "order": values(self.layout.order), "strips": self.strips}
 
     def restore(self, state: dict | None) -> None:
         """Go on from fields that were loaded, and from a state; without one the points are sorted before the next step.
@@ -100,13 +100,13 @@ class Simd(Executor):
             if the order names points that are not there.
 
         """
-        velocity, change = self.grid.velocity.to_numpy(), self.grid.change.to_numpy()
+        velocity, change = values(self.grid.velocity), values(self.grid.change)
         self.nodal.from_numpy(np.concatenate([velocity, change, velocity, velocity], axis=1))
         self.sorted = (-1, 0.0)
         if state:
             if not ((state["order"] >= 0) & (state["order"] <= self.particles.count)).all():
                 raise ValueError("the order names points that are not there")
-            self.layout.order.from_numpy(state["order"])
+            put(self.layout.order, state["order"])
             if "strips" in state:  # otherwise it is of a version that cut the points elsewhere
                 self.sorted = tuple(state["sorted"])
                 self._cut(int(state["strips"]))
@@ -124,8 +124,7 @@ class Simd(Executor):
         if revision == self.particles.revision and moved < SORTED_FOR:
             self.sorted = revision, moved
             return
-        active = int(self.particles.active[None])
-        place = self.particles.position.to_numpy()[:active]
+        active, place = self.particles.number, self.particles.array("position")
         if np.isfinite(place).all():
             per_cell = 1.0 / self.grid.cell_size, 1.0 / (self.grid.cell_size * float(self.grid.stretch[0]))
             offset = self.shape.half_size if self.shape.NODES == 3 else 0.0
@@ -135,15 +134,16 @@ class Simd(Executor):
             rows = cell[order, 1]
         else:
             order, rows = np.arange(active, dtype=np.int32), np.zeros(active)
-        full = np.full(self.layout.groups * LANES, self.particles.count, dtype=np.int32)
-        full[:active] = order
-        self.layout.order.from_numpy(full)
+        put(
+            self.layout.order,
+            np.pad(order, (0, self.layout.groups * LANES - active), constant_values=self.particles.count),
+        )
         self.sorted = self.particles.revision, 0.0
         self._cut(next(count for count in (16, 8, 4, 2) if count == 2 or self._stand_apart(rows, count)))
 
     def _bounds(self, count: int) -> np.ndarray:
         """First group of each of so many strips, and the end of the last."""
-        groups = (int(self.particles.active[None]) + LANES - 1) // LANES
+        groups = (self.particles.number + LANES - 1) // LANES
         return np.arange(count + 1) * groups // count
 
     def _stand_apart(self, rows: np.ndarray, count: int) -> bool:
@@ -154,26 +154,20 @@ class Simd(Executor):
         first, last = rows[ends[:-1]], rows[np.minimum(ends[1:], len(rows)) - 1]
         return bool((first[2:] - last[:-2] >= self.apart).all())
 
+    def _crowded(self) -> bool:
+        """Whether strips with the same sums have come closer than a row of nodes and the gap."""
+        low, high = values(self.layout.reach)[:, :2].T
+        half, holds = values(self.layout.half), low < high
+        alike = np.triu(half[:, None] == half, 1) & holds[:, None] & holds
+        return bool((alike & (low <= high[:, None] + self.gap)).any())
+
     def _cut(self, count: int) -> None:
         """Cut the points into so many strips, a power of 2; the others are empty."""
         self.strips = count
         bounds, every = self._bounds(count), STRIPS // count
         slots = np.arange(STRIPS + 1)
-        self.layout.first.from_numpy(bounds[-(-slots // every)].astype(np.int32))
-        self.layout.half.from_numpy((slots[:-1] // every % HALVES).astype(np.int32))
-
-    @ti.kernel
-    def _crowded(self) -> ti.i32:
-        """Whether strips with the same sums have come closer than a row of nodes and the gap."""
-        found = 0
-        ti.loop_config(serialize=True)
-        for a in range(STRIPS):
-            for b in range(a + 1, STRIPS):
-                low, high = self.layout.reach[b, 0], self.layout.reach[a, 1]
-                holds = self.layout.reach[a, 0] < high and low < self.layout.reach[b, 1]
-                if holds and self.layout.half[a] == self.layout.half[b] and low <= high + self.gap:
-                    found = 1
-        return found
+        put(self.layout.first, bounds[-(-slots // every)])
+        put(self.layout.half, slots[:-1] // every % HALVES)
 
     @ti.kernel
     def _load(self, points: arrays_of_eight):

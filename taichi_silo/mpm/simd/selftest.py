@@ -1,7 +1,7 @@
 """Whether the vector unit can be trusted on this machine: tried in a process of its own, and remembered.
 
 It rests on a switch inside Taichi (`vectors.compiling_simd`), and no other processor and version than those of the
-tests can be promised. So before the first use a block of points is stepped both ways in a child process (`trial`);
+tests can be promised. So before the first use formulas of sand are tried both ways in a child process (`trial`);
 whatever happens there, this process goes on, with plain loops if need be.
 """
 
@@ -17,7 +17,8 @@ from pathlib import Path
 from taichi_silo.mpm import language
 
 PATIENCE_S = 300.0
-ROOM = Path(__file__).parent  # all that knows of groups of eight
+ROOM = Path(__file__).parent
+TRIED = ("trial.py", "vectors.py")  # what is tried, and the switch
 
 
 def place() -> Path:
@@ -26,14 +27,14 @@ def place() -> Path:
 
 
 def circumstances() -> str:
-    """What the verdict depends on: the processor and what it can do, the language, and how groups of eight are stepped.
+    """What the verdict depends on: the processor and what it can do, the language, and what is tried.
 
-    Formulas of laws and shapes are not among it: whether one of them has an operation that vectors do not know is the
-    same on every machine, and tests find it.
+    The rest of the code is not among it: whether something there has an operation that vectors do not know is the same
+    on every machine, and tests find it.
     """
     sources = hashlib.sha256()
-    for file in sorted(ROOM.glob("*.py")):
-        sources.update(file.read_bytes())
+    for name in TRIED:
+        sources.update((ROOM / name).read_bytes())
     about = [platform.machine(), platform.processor()]
     if Path("/proc/cpuinfo").exists():
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
@@ -44,7 +45,7 @@ def circumstances() -> str:
 
 @functools.cache
 def failure() -> str:
-    """Why the vector unit is not to be trusted here; empty if it is. Takes some seconds, once on a machine."""
+    """Why the vector unit is not to be trusted here; empty if it is. Takes a second, once on a machine."""
     key, file = circumstances(), place()
     try:
         verdicts = json.loads(file.read_text())

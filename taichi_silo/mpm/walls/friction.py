@@ -76,7 +76,7 @@ class Delayed:
         self.time = ti.field(real, shape=1)
         self.crossed = 0.0  # way of a wave in t* [m]; 0 if t* is given
         if delay_s is None:
-            place = particles.position.to_numpy()[: particles.active[None]]
+            place = particles.array("position")
             least = float(np.linalg.eigvalsh(np.cov(place.T, bias=True))[0]) if len(place) > 1 else 0.0
             self.crossed = CROSSINGS * max(math.sqrt(12.0 * max(least, 0.0)), grid.cell_size)
         else:

@@ -15,6 +15,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from taichi_silo.mpm.field_memory import put, values
 from taichi_silo.mpm.frozen import frozen
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.language import ti
@@ -115,28 +116,28 @@ class Surfaces:
         self.count = len(place)
         self.places, self.normals, self.areas, self.owners = place, normal, area * away, owners
         self.fixed = ti.field(real, shape=(self.count, 5))
-        self.fixed.from_numpy(np.column_stack([normal, area * away, mu, 1.0 / np.maximum(away, 1e-12)]))
+        put(self.fixed, np.column_stack([normal, area * away, mu, 1.0 / np.maximum(away, 1e-12)]))
         self.wall = whole_numbers(self.count)
-        self.wall.from_numpy(owners.astype(np.int32))
+        put(self.wall, owners)
         patch, weight = self._weights(place / h)
         self.patches, self.station_weights = patch, weight
         self.patch = whole_numbers(self.count)
-        self.patch.from_numpy(patch)
+        put(self.patch, patch)
         self.weight = ti.field(real, shape=(self.count, 9))
-        self.weight.from_numpy(weight)
+        put(self.weight, weight)
         self.traction = ti.field(real, shape=(self.count, 4))
         self.seen = ti.field(real, shape=(grid.nodes, 3))
         self.row = whole_numbers(grid.rows + 1)
-        self.row.from_numpy(np.searchsorted(row, np.arange(grid.rows + 1)).astype(np.int32))
+        put(self.row, np.searchsorted(row, np.arange(grid.rows + 1)))
         nodes = patch[:, None] + np.array([b * grid.columns + a for b in range(3) for a in range(3)])
         given = weight * (area * away)[:, None]
         station = np.repeat(np.arange(self.count), 9)
         sort = np.argsort(nodes.ravel(), kind="stable")
         self.link, self.given = whole_numbers(len(sort)), ti.field(real, shape=len(sort))
-        self.link.from_numpy(station[sort].astype(np.int32))
-        self.given.from_numpy(given.ravel()[sort])
+        put(self.link, station[sort])
+        put(self.given, given.ravel()[sort])
         self.begin = whole_numbers(grid.nodes + 1)
-        self.begin.from_numpy(np.searchsorted(nodes.ravel()[sort], np.arange(grid.nodes + 1)).astype(np.int32))
+        put(self.begin, np.searchsorted(nodes.ravel()[sort], np.arange(grid.nodes + 1)))
 
     def _weights(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """First node (n,) and S (n, 9) of the quadratic spline at places in cells (n, 2)."""
@@ -152,13 +153,13 @@ class Surfaces:
 
     def clear(self) -> None:
         """Let go."""
-        self.traction.fill(0.0)
-        self.seen.fill(0.0)
+        put(self.traction, 0.0)
+        put(self.seen, 0.0)
 
     def take_over(self, other: "Surfaces") -> None:
         """Press as others, of the same walls, did."""
-        self.traction.copy_from(other.traction)
-        self.seen.copy_from(other.seen)
+        put(self.traction, values(other.traction))
+        put(self.seen, values(other.seen))
 
     def area_by_row(self, wall: int) -> np.ndarray:
         """Area of a wall that the nodes of each row stand for (rows,) [m2/m, or per radian]."""

@@ -181,8 +181,16 @@ class TestSelftest:
         selftest.failure.cache_clear()
         assert selftest.failure() == ""
 
-    @pytest.mark.parametrize(("changed", "anew"), [("laws/elastic.py", False), ("simd/vectors.py", True)])
-    def test_circumstances_change_with_how_groups_are_stepped_not_with_formulas(
+    @pytest.mark.parametrize(
+        ("changed", "anew"),
+        [
+            ("laws/gudehus_bauer.py", False),
+            ("simd/store.py", False),
+            ("simd/vectors.py", True),
+            ("simd/trial.py", True),
+        ],
+    )
+    def test_circumstances_change_with_what_is_tried_not_with_the_rest_of_the_code(
         self, monkeypatch, tmp_path, changed, anew
     ):
         copy = shutil.copytree(selftest.ROOM.parent, tmp_path / "mpm")

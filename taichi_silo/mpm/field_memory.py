@@ -1,0 +1,82 @@
+"""Fields read and written from Python: on a processor through the memory in which they lie, without a kernel.
+
+Taichi copies a field by a kernel of its own for each field and direction, which takes 20 ms at every start, and 50 us a
+call. Here one kernel for each tree of fields says where the tree lies; the places within it are known.
+"""
+
+import ctypes
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.language import NAME, ti
+
+
+def values(field: ti.Field, first: int | None = None) -> np.ndarray:
+    """A copy of a field, whose last axis is that of its vectors; or of so many first entries."""
+    seen = view(field)
+    if seen is None:
+        seen = field.to_numpy()
+    return seen.copy() if first is None else seen[:first].copy()
+
+
+def put(field: ti.Field, given: ArrayLike, first: int | None = None) -> None:
+    """Set a field to values that can be broadcast to its shape; or so many first entries, and the others to 0."""
+    seen = view(field)
+    whole = np.zeros(_shape(field), ti.lang.util.to_numpy_type(field.dtype)) if seen is None else seen
+    if first is None:
+        whole[...] = given
+    else:
+        whole[:first], whole[first:] = given, 0
+    if seen is None:
+        field.from_numpy(whole)
+
+
+def view(field: ti.Field) -> np.ndarray | None:
+    """The field itself as an array, which must not outlive the running Taichi; None where its memory is another's.
+
+    That is on a GPU, in the fork of Taichi, and in trees with more than one level.
+    """
+    seen = _known("views")
+    if id(field) not in seen:
+        seen[id(field)] = field, _seen(field)
+    return seen[id(field)][1]
+
+
+def _known(what: str) -> dict:
+    """What is known of fields until Taichi is started anew."""
+    return vars(ti.lang.impl.get_runtime()).setdefault(what, {})
+
+
+def _seen(field: ti.Field) -> np.ndarray | None:
+    branch = field.parent()
+    if NAME != "taichi" or not runtime.is_cpu() or branch.parent().parent() is not None:
+        return None
+    first = field.get_scalar_field(0) if isinstance(field, ti.MatrixField) else field
+    shape, kind = _shape(field), np.dtype(ti.lang.util.to_numpy_type(field.dtype))
+    cell, begin = branch._cell_size_bytes, first.snode._offset_bytes_in_parent_cell
+    strides = [cell * int(np.prod(field.shape[n + 1 :])) for n in range(len(field.shape))]
+    strides += [kind.itemsize] * (len(shape) - len(strides))  # components of a vector lie side by side
+    bytes_of_all = cell * int(np.prod(field.shape))
+    memory = (ctypes.c_char * bytes_of_all).from_address(_begin(first) + branch._offset_bytes_in_parent_cell)
+    return np.ndarray(shape, kind, memory, begin, strides)
+
+
+def _shape(field: ti.Field) -> tuple[int, ...]:
+    return tuple(field.shape) + ((field.n,) if isinstance(field, ti.MatrixField) else ())
+
+
+def _begin(field: ti.Field) -> int:
+    """Address of the tree of a field."""
+    known, tree = _known("begins_of_trees"), field.snode._snode_tree_id
+    if tree not in known:
+        known[tree] = _address(field) - sum(
+            place._offset_bytes_in_parent_cell for place in (field.snode, field.parent())
+        )
+    return known[tree]
+
+
+@ti.kernel
+def _address(field: ti.template()) -> ti.u64:
+    return ti.get_addr(field, ti.static([0] * len(field.shape)))
