@@ -7,8 +7,8 @@
     bar      an elastic bar that swings: the error of the displacement, RMS over the bar, tends to nothing
     fall     a body that falls: place and speed, as the time step shrinks
 
-Leaves `error_bars.csv`, one row a case: limit, error bar, truth, whether the bar holds it. Cost: twelve minutes on two
-cores.
+Leaves `error_bars.csv`, one row a case: limit, error bar, truth, whether the bar holds it; `error_bars_by_kind.csv`, a
+row a kind. Cost: twelve minutes on two cores.
 """
 
 import sys
@@ -150,6 +150,21 @@ def part(kind: str, arguments: tuple, file: Path) -> str:
     return f"{int(rows['held'].sum())} of {len(rows)} held"
 
 
+def by_kind(rows: pd.DataFrame) -> pd.DataFrame:
+    """Of each kind: cases, how many bars hold the truth, and medians of the bar and of the distance from the truth."""
+    truth = rows["truth"].abs().where(rows["truth"] != 0.0)
+    told = rows.assign(
+        kind=rows["case"].str.split().str[0],
+        bar_percent=100.0 * rows["error"] / truth,
+        distance_percent=100.0 * (rows["value"] - rows["truth"]).abs() / truth,
+        distance_over_bar=(rows["value"] - rows["truth"]).abs() / rows["error"],
+    )
+    parts = told.groupby("kind", sort=False)
+    medians = parts[["bar_percent", "distance_percent", "distance_over_bar"]].median()
+    counts = parts["held"].agg(cases="size", held="sum")
+    return counts.join(medians).reset_index()
+
+
 def error_bars(
     output: Annotated[Path, Option(help="folder, for error_bars.csv")] = Path("outputs/error_bars"),
     only: Annotated[str, Option(help="layer | silo | bar | fall: these alone")] = "",
@@ -171,6 +186,7 @@ def error_bars(
     failures = in_parallel(part, missing, costs)
     rows = pd.concat([pd.read_csv(file) for file in files.values() if file.exists()])
     rows.to_csv(output / "error_bars.csv", index=False)
+    by_kind(rows).to_csv(output / "error_bars_by_kind.csv", index=False, float_format="%.3g")
     held = int(rows["held"].sum())
     print(f"{held} of {len(rows)} error bars hold the truth ({100.0 * held / len(rows):.0f} %)")
     print(output / "error_bars.csv")
