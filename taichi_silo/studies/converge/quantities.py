@@ -12,6 +12,7 @@ import numpy as np
 from taichi_silo.analysis.measure.wall_pressure import cell_mean
 from taichi_silo.runs.result import Result, residual
 from taichi_silo.show.report.states import discharge_rate_kg_per_s_m
+from taichi_silo.simulation.filling import SETTLED
 
 FORCES = {"P": "bottom_N_per_m", "T": "shear_N_per_m", "N": "normal_N_per_m"}
 STATES = {"filled": "filling", "residual": "residual"}
@@ -34,7 +35,7 @@ class Quantity:
     value: float
     unit: str
     scale: float  # what its error is told over; nan for the value itself
-    unsteady: float = 0.0  # by how much its mean still changes with time
+    unsteady: float = 0.0  # by how much it may still change with time
 
 
 def quantities(run: Result) -> dict[str, Quantity]:
@@ -71,7 +72,8 @@ def words(name: str) -> str:
 def _unsteady(run: Result, state: str) -> dict[str, float]:
     """Of each force, how its mean over the span of the state differs from that over the span before [N/m].
 
-    After filling a span is one period of the column, at the end a half of the last 5 % of the displacement.
+    After filling a span is one period of the column, and it is at least what counts as rest; at the end a span is a
+    half of the last 5 % of the displacement.
     """
     if state == "filled":
         rows, count = run.filling, run.scene.output.records_per_period
@@ -81,7 +83,9 @@ def _unsteady(run: Result, state: str) -> dict[str, float]:
     last, before = rows.tail(count), rows.iloc[-2 * count : -count]
     if not count or len(before) < count:
         return dict.fromkeys(FORCES, 0.0)
-    return {name: abs(float(last[name].mean() - before[name].mean())) for name in FORCES}
+    least = SETTLED if state == "filled" else 0.0
+    means = {name: float(last[name].mean()) for name in FORCES}
+    return {name: max(abs(mean - float(before[name].mean())), least * abs(mean)) for name, mean in means.items()}
 
 
 def _pressures(run: Result, state: str) -> dict[str, Quantity]:
@@ -96,7 +100,8 @@ def _pressures(run: Result, state: str) -> dict[str, Quantity]:
         if means:
             found[f"pressure_{state}_{share:g}"] = float(np.mean(means))
     largest = max(found.values(), default=math.nan)
-    return {name: Quantity(value, "Pa", largest) for name, value in found.items()}
+    least = SETTLED if state == "filled" else 0.0
+    return {name: Quantity(value, "Pa", largest, least * value) for name, value in found.items()}
 
 
 def _number(value) -> float:
