@@ -8,7 +8,8 @@ from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.clock import OPENED, Clock, Interval
 from taichi_silo.simulation.model import Model
 
-RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods
+RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods, or longer:
+GENTLY = 0.01  # of gravity, its largest acceleration; it takes as much off the weight that the sand rests with
 SHORT, LANDING = 0.5, 0.6  # of an interval and of a time step in free outflow: sand that lands is stiff at once
 LONGER = 1.05  # at most, a step against that of the interval before: where sand has landed, more will
 REACH = 0.35  # of a cell: by more, no sand may pass the exit within an interval
@@ -20,7 +21,14 @@ def duration(scene: Scene, period: float) -> float:
     flow = scene.flow
     if flow.outflow == "gravity":
         return flow.longest_s
-    return flow.displacement_m / flow.speed_m_per_s + 0.5 * RAMP_PERIODS * period
+    return flow.displacement_m / flow.speed_m_per_s + 0.5 * start(scene, period)
+
+
+def start(scene: Scene, period: float) -> float:
+    """Time in which the bottom or the gate of a column with this period reaches its speed [s]."""
+    method = scene.method
+    gently = 1.5 * scene.flow.speed_m_per_s * method.mass_scaling / (GENTLY * method.gravity_m_per_s2)
+    return max(RAMP_PERIODS * period, gently)
 
 
 def control(model: Model) -> NoiseControl:
@@ -38,8 +46,8 @@ def next_interval(model: Model, clock: Clock, fastest_m_per_s: float) -> Interva
 
 
 def bottom_speed(model: Model, since_start_s: float) -> float:
-    """Of the bottom or the gate, downwards [m/s]: a smooth start over several periods, then constant."""
-    part = min(since_start_s / (RAMP_PERIODS * model.period), 1.0)
+    """Of the bottom or the gate, downwards [m/s]: a smooth start, then constant."""
+    part = min(since_start_s / start(model.scene, model.period), 1.0)
     return model.scene.flow.speed_m_per_s * part * part * (3.0 - 2.0 * part)
 
 

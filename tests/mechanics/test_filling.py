@@ -4,6 +4,7 @@ import pytest
 
 from taichi_silo import Averaging, Flow, Machine, Mesh, Method, Scene, Walls, named_sand, run
 from taichi_silo.simulation.filling import grown
+from taichi_silo.simulation.outflow import start
 from validation.error_bars import compressed
 
 
@@ -30,3 +31,12 @@ def test_the_weight_and_its_rate_grow_without_a_jump():
     assert grown(0.0) == 0.0 and grown(1.0) == 1.0 and grown(0.5) == pytest.approx(0.5)
     for end, into in ((0.0, 1e-4), (1.0, -1e-4)):
         assert abs(grown(end + into) - grown(end)) < 1e-10
+
+
+@pytest.mark.parametrize("speed", [0.002, 0.02, 0.2])
+def test_the_start_of_the_bottom_takes_no_more_than_a_hundredth_off_the_weight(speed):
+    scene = Scene(flow=Flow(speed_m_per_s=speed))
+    period = 0.02
+    accelerations = [6.0 * part * (1.0 - part) * speed / start(scene, period) for part in (0.25, 0.5, 0.75)]
+    assert max(accelerations) <= 0.0101 * 9.81
+    assert start(scene, period) >= 5.0 * period
