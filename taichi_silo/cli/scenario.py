@@ -101,6 +101,10 @@ def _tables(
     if settings["walls.kind"] == "smooth" and ANGLE not in settings:
         settings[ANGLE] = model_silo.smooth_angle_deg(void_ratio)
     tables = tables_with(scene, settings) | {"sand": named_sand(sand, void_ratio, law=law).model_dump()}
+    if fidelity is named_fidelity(STANDARD):  # its values are a scene's own, which follow the size of the silo
+        for path in set(fidelity.settings) - set(given):
+            table, name = path.split(".")
+            tables[table].pop(name, None)
     if "machine.threads" not in settings:
         del tables["machine"]["threads"]  # those of the default scene, which has other points
     return tables

@@ -15,7 +15,6 @@ import numpy as np
 
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import runtime
-from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene.scene import Scene
@@ -136,7 +135,7 @@ def _at_rest(model: Model, points: dict[str, np.ndarray]) -> dict[str, np.ndarra
     scene = model.scene
     depth = np.maximum(scene.silo.height_m - points["position"][:, 1], 0.0)
     vertical = -scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * depth
-    side = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio) * vertical
+    side = scene.law.rest_pressure_ratio(scene.sand.void_ratio) * vertical
     stress = np.minimum(np.stack([side, vertical, side, 0.0 * side], axis=1), points["stress"])
     stress[:, 3] = 0.0
     return points | {"stress": stress}

@@ -122,6 +122,17 @@ class WallProfiles(Observer):
                 for place, n, t in zip(*surface_stress(self.simulation, number, walls[name]), strict=True):
                     writer.writerow([state, name, f"{place:.6g}", f"{n:.6g}", f"{t:.6g}"])
 
+    def after_filling_above(self, height_m: float) -> dict[str, tuple[float, float]]:
+        """Normal and shear force after filling of the left and the right wall above a height [N/m]."""
+        h, rows = self.simulation.scene.grid.cell_size_m, self.simulation.model.grid.rows
+        place = (np.arange(rows) - MARGIN) * h
+        share = np.clip((place + 0.5 * h - height_m) / h, 0.0, 1.0)  # of what a node stands for, that lies above
+        profile, found = self.states["filling"][2], {}
+        for name, row in SIDES.items():
+            normal, shear = normal_and_shear(name, share @ profile[row, :rows])
+            found[name] = float(normal), float(shear)
+        return found
+
     def overpressure(self) -> dict:
         """The largest normal stress on a wall over that after filling, as a pressure cell reads it; empty if none."""
         if not self.history or "filling" not in self.states:
