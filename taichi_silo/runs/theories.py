@@ -32,23 +32,16 @@ def critical_simple_shear_angle_deg(critical_friction_angle_deg: float) -> float
 def hopper_of(
     scene: Scene, angle_deg: float, pressure_ratio: float, transition_stress_Pa: float, state: str
 ) -> WalkerHopper:
-    """Walker's theory of the hopper below vertical walls or the sand's surface; `state` "filling" or "discharge"."""
+    """Walker's theory of the hopper below the vertical walls; `state` is "filling" or "discharge"."""
     silo, hopper = scene.silo, scene.silo.hopper
     assert hopper is not None, "the silo has no hopper"
-    own, slope = hopper.friction_angle_deg, math.tan(math.radians(hopper.half_angle_deg))
+    own = hopper.friction_angle_deg
     return WalkerHopper(
-        min(silo.width_m, hopper.outlet_width_m + 2.0 * silo.height_m * slope), hopper.outlet_width_m, hopper.half_angle_deg,
+        silo.width_m, hopper.outlet_width_m, hopper.half_angle_deg,
         scene.density_kg_per_m3 * scene.method.gravity_m_per_s2, angle_deg if own is None else own,
         transition_stress_Pa, state=state, section=silo.section,
         internal_friction_angle_deg=scene.sand.critical_friction_angle_deg, pressure_ratio=pressure_ratio,
     )  # fmt: skip
-
-
-def transition_stress_Pa(scene: Scene, angle_deg: float, pressure_ratio: float) -> float:
-    """Janssen's vertical stress at the foot of the vertical walls; 0 without sand between them."""
-    if not scene.silo.straight_m:
-        return 0.0
-    return float(janssen_of(scene, angle_deg, pressure_ratio).vertical_stress_Pa(scene.silo.straight_m))
 
 
 def theory_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> dict:
@@ -68,7 +61,7 @@ def theory_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> dict:
     if code := eurocode_findings(scene):
         found["eurocode"] = code
     if silo.hopper is not None and 0.0 < angle_deg < 90.0:
-        above = transition_stress_Pa(scene, angle_deg, pressure_ratio)
+        above = float(janssen_of(scene, angle_deg, pressure_ratio).vertical_stress_Pa(silo.straight_m))
         girths = 2 if silo.section == "round" else 1  # metres of girth that forces are counted for
         for state in ("filling", "discharge"):
             try:

@@ -133,5 +133,5 @@ def _of_outlet(scene: Scene) -> list[str]:
             "void ratio and stress."
         )
     if scene.silo.hopper is not None or scene.silo.inserts:
-        found.append("On inclined walls single rows of the grid mean little; means over 50 mm do.")
+        found.append("On inclined walls single rows of the grid mean little; means over a quarter of the width do.")
     return found

@@ -42,6 +42,15 @@ def janssen(run: Result, pressure_ratio: float) -> Janssen | None:
     return janssen_of(run.scene, angle, pressure_ratio)
 
 
+def filled_beside_janssen(theory: dict, name: str, filled: float | None) -> float | None:
+    """P, T or N after filling as Janssen's theory counts it: of walls that are not alike above the higher foot.
+
+    `theory` is that of the summary, `filled` the force of the whole walls.
+    """
+    walls, key = theory.get("walls"), {"T": "shear_N_per_m", "N": "normal_N_per_m"}.get(name)
+    return filled if not walls or key is None else sum(wall[key] for wall in walls.values()) / len(walls)
+
+
 def eurocode(run: Result) -> EurocodeSilo | None:
     """The code's silo of this shape, with the solid of the scene; None without vertical walls."""
     return eurocode_of(run.scene)

@@ -12,7 +12,7 @@ import pandas as pd
 
 from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.void_ratio_zones import interior_zone_count, wall_zone_thickness_m
-from taichi_silo.analysis.measure.wall_pressure import CORNER_M, cell_mean, clear_of_corner
+from taichi_silo.analysis.measure.wall_pressure import cell_mean, clear_of_corner
 from taichi_silo.runs.certificate import certificate
 from taichi_silo.runs.flow_findings import flow_findings
 from taichi_silo.runs.janssen_findings import janssen_findings
@@ -202,14 +202,15 @@ class Summary(Observer):
 
     def _wall_stresses(self) -> dict:
         """Of each state, away from the corner: at one node, and as a pressure cell reads it."""
-        walls, found = pd.read_csv(self.profiles.file.absolute()), {}
+        walls, found, reading = pd.read_csv(self.profiles.file.absolute()), {}, self.profiles.reading
         for state, rows in walls[walls.wall.isin(["left", "right"])].groupby("state"):
             node, cell = 0.0, 0.0
             for _, wall in rows.groupby("wall"):
                 height, stress = wall.height_m.to_numpy(), wall.normal_stress_Pa.to_numpy()
-                inside = height > height[0] + CORNER_M
+                inside = height > height[0] + reading.corner_m
                 node = max(node, float(stress[inside].max(initial=0.0)))
-                cell = max(cell, float(cell_mean(height, stress)[clear_of_corner(height)].max(initial=0.0)))
+                clear = clear_of_corner(height, reading)
+                cell = max(cell, float(cell_mean(height, stress, reading.cell_m)[clear].max(initial=0.0)))
             found[state] = {"node": node, "pressure_cell": cell}
         return found
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from taichi_silo.analysis.measure.overpressure import largest_overpressure
-from taichi_silo.analysis.measure.wall_pressure import cell_mean, clear_of_corner
+from taichi_silo.analysis.measure.wall_pressure import Reading, cell_mean, clear_of_corner
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.runs.observers import Observer
 from taichi_silo.simulation.wall_forces import LEFT, RIGHT, normal_and_shear
@@ -31,7 +31,8 @@ class WallProfiles(Observer):
 
     def begin(self, simulation) -> None:
         """Start with no state."""
-        self.simulation = simulation
+        self.simulation, silo = simulation, simulation.scene.silo
+        self.reading = Reading.of(silo.width_m, silo.height_m)
         self.period = simulation.scene.output.records_per_period
         self.full = BLOCK_PERIODS * self.period
         self.states: dict[str, tuple[float, float, np.ndarray]] = {}  # state: how far the grid sank, u, profile
@@ -149,6 +150,7 @@ class WallProfiles(Observer):
             np.array([time for time, *_ in self.history]), height[above],
             np.stack([normal(profile)[:, above] for *_, profile in self.history]),
             normal(self.states["filling"][2])[:, above], np.array([u for _, _, u, _ in self.history]),
+            self.reading,
         )  # fmt: skip
         if found.wall < 0:
             return {}
@@ -176,8 +178,8 @@ class WallProfiles(Observer):
                 height, stress = wall_stress(profile[row, :rows], scene.grid.cell_size_m, closed=False)
                 above = height >= scene.silo.transition_m - 1e-9
                 height, stress = height[above], normal_and_shear(name, stress[above])[0]
-                read = cell_mean(height, stress)
-                clear = np.flatnonzero(clear_of_corner(height))
+                read = cell_mean(height, stress, self.reading.cell_m)
+                clear = np.flatnonzero(clear_of_corner(height, self.reading))
                 if not len(clear):  # hardly any vertical wall above a hopper
                     continue
                 k = clear[np.argmax(read[clear])]
