@@ -12,6 +12,7 @@ JsonFlag = Annotated[
 OutputFlag = Annotated[Path | None, typer.Option(help="folder of the run; outputs/... if not given")]
 OverwriteFlag = Annotated[bool, typer.Option("--overwrite", help="replace a run in the output folder")]
 FilmFlag = Annotated[bool, typer.Option(help="draw void_ratio.mp4")]
+YesFlag = Annotated[bool, typer.Option("--yes", "-y", help="begin runs of more than an hour without asking")]
 ExplainFlag = Annotated[
     bool, typer.Option("--explain", help="print which parts of the method the scene uses, and why, and stop")
 ]

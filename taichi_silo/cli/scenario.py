@@ -7,7 +7,7 @@ from typing import Any
 
 from taichi_silo import api
 from taichi_silo.cli import command_line, flags, model_silo
-from taichi_silo.cli.output_flags import ExplainFlag, FilmFlag, JsonFlag, OutputFlag, OverwriteFlag, QuietFlag
+from taichi_silo.cli.output_flags import ExplainFlag, FilmFlag, JsonFlag, OutputFlag, OverwriteFlag, QuietFlag, YesFlag
 from taichi_silo.scene.dotted_paths import tables_with
 from taichi_silo.scene.fidelity import STANDARD, Fidelity
 from taichi_silo.scene.fidelity import fidelity as named_fidelity
@@ -27,7 +27,17 @@ SHARED = (  # by all scenarios of a silo
     "method.noise_control", "machine.threads", "machine.arch", "output.records_per_period", "output.snapshots",
     *flags.METHOD,
 )  # fmt: skip
-RUN = ["sand", "fidelity", "output", "overwrite", "film", "explain", "quiet", "json"]  # parameters of all, no values
+RUN = [
+    "sand",
+    "fidelity",
+    "output",
+    "overwrite",
+    "film",
+    "explain",
+    "yes",
+    "quiet",
+    "json",
+]  # parameters of all, no values
 NOTES = {ANGLE: "; {dense:g} for dense and {loose:g} for loose sand if not given".format(**model_silo.SMOOTH_ANGLE_DEG)}
 
 
@@ -59,7 +69,7 @@ def silo_scenario(
     def scenario(
         *, sand: flags.SandFlag = scene.sand.name, fidelity: flags.FidelityFlag = STANDARD,
         output: OutputFlag = None, overwrite: OverwriteFlag = False, film: FilmFlag = True,
-        explain: ExplainFlag = False, quiet: QuietFlag = False, json: JsonFlag = False, **values: Any,
+        explain: ExplainFlag = False, yes: YesFlag = False, quiet: QuietFlag = False, json: JsonFlag = False, **values: Any,
     ) -> Path | None:  # fmt: skip
         chosen, console = named_fidelity(fidelity), Console(quiet, json)
         tables = _tables(scene, flags.given(values, (*paths, *SHARED)), sand, chosen, (*paths, *SHARED))
@@ -71,13 +81,14 @@ def silo_scenario(
         if explain:
             command_line.explain(wanted)
             return None
+        from taichi_silo.cli.long_runs import permission
         from taichi_silo.runs import run_folder  # not needed to show the flags
         from taichi_silo.runs.observers.progress import ProgressLine
 
         usual = Path("outputs") / f"{name(wanted)}_e{wanted.sand.void_ratio:.2f}_{wanted.walls.kind}"
         folder = output.expanduser() if output else run_folder.free_name(usual)
         console.say(f"The run goes to {folder}.")
-        lines = ProgressLine(console.terminal)
+        lines = ProgressLine(console.terminal, permission(console, yes))
         left = api.run(wanted, folder, overwrite=overwrite, film=film, progress=False, extra=(lines,))
         command_line.tell(left.folder, console)
         return folder

@@ -35,7 +35,6 @@ def findings(scene, normal, shear, above=None):
     return janssen_findings(scene, filling, state(scene, 0.0), above or {side: (normal, shear) for side in WALLS})
 
 
-
 def test_between_frictionless_walls_the_fill_presses_like_a_fluid_times_k0():
     """T = 0, N = K gamma h^2 / 2, P = W; a relative difference from 0 is none."""
     scene = Scene(walls=Walls(kind="smooth", friction_angle_deg=0.0), **COARSE)
@@ -88,7 +87,11 @@ def left(folder, scene, columns, **summary):
     folder.mkdir()
     write_parameters(folder, scene, {})
     time = np.linspace(0.1, 2.0, 20)
-    forces = {"time_s": time, "stage": np.where(time < 1.0, "filling", "flow"), "displacement_m": np.maximum(time - 1.0, 0)}
+    forces = {
+        "time_s": time,
+        "stage": np.where(time < 1.0, "filling", "flow"),
+        "displacement_m": np.maximum(time - 1.0, 0),
+    }
     forces |= {"bottom_force_N_per_m": 100.0, "wall_friction_angle_deg": 0.0, "weight_N_per_m": 300.0}
     for side in WALLS:
         forces |= {f"{side}_normal_N_per_m": 0.0, f"{side}_shear_N_per_m": 0.0}

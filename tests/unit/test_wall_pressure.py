@@ -20,7 +20,9 @@ def test_a_stress_that_alternates_from_node_to_node_averages_out():
 
 def test_the_force_is_kept():
     stress = np.exp(-(((HEIGHT - 0.25) / 0.05) ** 2))
-    assert np.trapezoid(cell_mean(HEIGHT, stress, CELL_M), HEIGHT) == pytest.approx(np.trapezoid(stress, HEIGHT), rel=1e-6)
+    assert np.trapezoid(cell_mean(HEIGHT, stress, CELL_M), HEIGHT) == pytest.approx(
+        np.trapezoid(stress, HEIGHT), rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("height", [0.04, 0.3, 0.5, 2.5])

@@ -68,7 +68,9 @@ def forces_figure(runs: list[Result], measured: list, with_janssen: bool) -> Fig
                     label = f"{one.name}, {side} wall" if side else one.name
                     _points(panel, scale * places, unit * values, label, MARKS.get(side, "o"))
         panel.set_ylabel(LABELS[name])
-        panel.set_xlabel("time since the outflow began (s)" if time else f"displacement u of bottom or gate ({unit_of_u})")
+        panel.set_xlabel(
+            "time since the outflow began (s)" if time else f"displacement u of bottom or gate ({unit_of_u})"
+        )
         panel.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
         panel.set_xlim(0.0, last or None)
         start_at_zero([panel], "y")

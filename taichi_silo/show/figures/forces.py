@@ -44,7 +44,9 @@ def run_forces_figure(run: Result) -> Figure | None:
     origin = "T, N: mean of both walls" if theory.straight_m(run) else "T, N: mean of the inclined walls"
     if run.filled is not None:
         origin += f"; weight W = {run.filled['weight_N_per_m'] / 1e3:.3g} kN/m"
-    put_title(figure, f"Forces per metre {'of girth' if run.scene.silo.section == 'round' else 'run'}: {title(run)}", origin)
+    put_title(
+        figure, f"Forces per metre {'of girth' if run.scene.silo.section == 'round' else 'run'}: {title(run)}", origin
+    )
     _legend_below(figure, max(panels.values(), key=lambda panel: len(panel.get_lines())), columns=6)
     return figure
 

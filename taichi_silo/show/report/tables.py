@@ -148,14 +148,20 @@ def stress_table(run: Result) -> ReportTable | None:
     for height in heights:
         depth = silo.height_m - height
         filling, maximum, residual = (_read(run, state, sides, height) for state in STATES)
-        row = [height_words(height, per_m), filling, *(kPa(float(law.normal_stress_Pa(depth))) for law in theories.values())]
+        row = [
+            height_words(height, per_m),
+            filling,
+            *(kPa(float(law.normal_stress_Pa(depth))) for law in theories.values()),
+        ]
         row += [kPa(float(code.filling_normal_Pa(depth)))] if code else []
         row += [maximum, residual]
         row += [kPa(float(code.discharge_normal_Pa(depth)))] if code else []
         rows.append(tuple(row))
     where = "left / right wall" if run.lopsided else "mean of both walls"
     cell = mm(reading_of(run).cell_m)
-    note = f"Wall normal stress in kPa, as a pressure cell of {cell} reads it, {where}; height above the initial bottom."
+    note = (
+        f"Wall normal stress in kPa, as a pressure cell of {cell} reads it, {where}; height above the initial bottom."
+    )
     if code:
         values = code.values("wall pressure")
         note += (

@@ -107,7 +107,10 @@ def janssen(runs: list[Result]) -> pd.DataFrame:
                 expected = theory.get(f"{FORCES[name][0]}_{key}")
                 if expected is None:
                     continue
-                value, ratio = filled_beside_janssen(theory, name, forces[name].filled), theory.get(f"pressure_ratio_{key}")
+                value, ratio = (
+                    filled_beside_janssen(theory, name, forces[name].filled),
+                    theory.get(f"pressure_ratio_{key}"),
+                )
                 rows.append((run.label, name, "N/m", ratio, origin, expected, value, *_against(value, expected)))
     return pd.DataFrame(rows, columns=list(JANSSEN), dtype=object)
 
