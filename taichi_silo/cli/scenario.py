@@ -69,7 +69,8 @@ def silo_scenario(
     def scenario(
         *, sand: flags.SandFlag = scene.sand.name, fidelity: flags.FidelityFlag = STANDARD,
         output: OutputFlag = None, overwrite: OverwriteFlag = False, film: FilmFlag = True,
-        explain: ExplainFlag = False, yes: YesFlag = False, quiet: QuietFlag = False, json: JsonFlag = False, **values: Any,
+        explain: ExplainFlag = False, yes: YesFlag = False, quiet: QuietFlag = False, json: JsonFlag = False,
+        **values: Any,
     ) -> Path | None:  # fmt: skip
         chosen, console = named_fidelity(fidelity), Console(quiet, json)
         tables = _tables(scene, flags.given(values, (*paths, *SHARED)), sand, chosen, (*paths, *SHARED))

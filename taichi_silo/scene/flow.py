@@ -9,11 +9,19 @@ from taichi_silo.scene.silo import Silo
 from taichi_silo.utils.schema import Options
 
 MODEL_WIDTH_M = 0.2  # of the paper's model silo, whose speed and displacement are the defaults
+MODEL_SPEED_M_PER_S = 0.002
 FROUDE = 0.00143  # speed over the root of g b: in a silo b wide it is as quasi-static as in the model silo
 OF_WIDTH = 0.1  # displacement over the width, as in the model silo,
 OF_FILL = 0.1  # and the greatest share of the sand that it lets out, in a silo that is wider than high
 FASTEST_M_PER_S = 1.0
 CHOSEN = ("speed_m_per_s", "displacement_m")  # where they are not given
+
+
+def slow_speed_m_per_s(width_m: float, gravity_m_per_s2: float) -> float:
+    """Speed of the bottom, to two digits, from where on a lower one changes nothing; of the model silo 0.002 m/s."""
+    if math.isclose(width_m, MODEL_WIDTH_M, rel_tol=1e-9):
+        return MODEL_SPEED_M_PER_S
+    return min(float(f"{FROUDE * math.sqrt(gravity_m_per_s2 * width_m):.2g}"), FASTEST_M_PER_S)
 
 
 class Flow(Options):
@@ -23,7 +31,7 @@ class Flow(Options):
         "controlled", description="the bottom or gate sinks at a given speed, or the sand falls out by its weight"
     )
     speed_m_per_s: float = Field(
-        0.002, ge=1e-9, le=FASTEST_M_PER_S,
+        MODEL_SPEED_M_PER_S, ge=1e-9, le=FASTEST_M_PER_S,
         description="speed of the bottom or gate, without meaning for gravity; where a scene lacks it and the silo is "
         "not 0.2 m wide, 0.00143 times the root of gravity and width",
     )  # fmt: skip
@@ -49,10 +57,9 @@ class Flow(Options):
         wide = silo.width_m
         if not self.chosen or math.isclose(wide, MODEL_WIDTH_M, rel_tol=1e-9):
             return self
-        speed = float(f"{FROUDE * math.sqrt(gravity_m_per_s2 * wide):.2g}")
         emptied = silo.area_m2 / silo.outlet_share_m
         depth = float(f"{min(OF_WIDTH * wide, OF_FILL * emptied):.6g}")
-        values = {"speed_m_per_s": min(speed, FASTEST_M_PER_S), "displacement_m": depth}
+        values = {"speed_m_per_s": slow_speed_m_per_s(wide, gravity_m_per_s2), "displacement_m": depth}
         chosen = self.chosen
         found = self.model_copy(update={name: values[name] for name in chosen})
         found.__pydantic_fields_set__.difference_update(chosen)

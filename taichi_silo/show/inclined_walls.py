@@ -1,5 +1,7 @@
 """N and T of inclined walls, from the forces that a run keeps of them: what walls of a hopper carry."""
 
+from typing import Any
+
 import numpy as np
 
 from taichi_silo.runs.result import Result
@@ -8,7 +10,7 @@ from taichi_silo.scene import polygons
 SIGNS = {"left": 1.0, "right": -1.0}  # of the sand's side of a wall
 
 
-def inclined_walls(run: Result, rows) -> dict[str, dict[str, np.ndarray]]:
+def inclined_walls(run: Result, rows) -> dict[str, dict[str, Any]]:
     """N and T [N/m] of rows of `Result.forces`, or of a mean of them, by the side of a straight inclined wall.
 
     N is positive in compression, T where the wall pushes the sand up along itself. Of a wall with bends, whose forces

@@ -6,6 +6,7 @@ import pytest
 
 from taichi_silo.runs.method_choices import outflow
 from taichi_silo.scene.dotted_paths import changed
+from taichi_silo.scene.known_limits import of_results
 from taichi_silo.scene.scene import Flow, Scene
 from taichi_silo.scene.silo import Silo
 
@@ -56,3 +57,11 @@ def test_the_program_says_whose_they_are():
     assert part.because == (
         "Speed chosen: 0.00143 of the root of gravity and width; displacement as given: 0.01 of the width."
     )
+
+
+def test_the_default_speed_is_slow_in_every_silo_and_ten_times_it_is_not():
+    """In 6 m × 20 m 11 mm/s is as slow as 2 mm/s in the model silo."""
+    for silo, fast in (({}, 0.02), ({"width_m": 6.0, "height_m": 20.0}, 0.11)):
+        assert not [words for words in of_results(Scene(silo=Silo(**silo))) if "is driven at" in words]
+        found = of_results(Scene(silo=Silo(**silo), flow=Flow(speed_m_per_s=fast)))
+        assert [words for words in found if f"at {1e3 * fast:g} mm/s it is some 11 to 14 % below" in words]

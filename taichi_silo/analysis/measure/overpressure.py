@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from taichi_silo.analysis.measure.wall_pressure import Reading, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import MODEL, Reading, cell_mean
 
 LEAST_SHARE = 0.1  # of the greatest filling stress on a wall; below, no factor
 
@@ -40,7 +40,7 @@ def largest_overpressure(
     normal_stress_Pa: NDArray,
     filling_stress_Pa: NDArray,
     displacement_m: NDArray | None = None,
-    reading: Reading = Reading(),
+    reading: Reading = MODEL,
 ) -> Overpressure:
     """Find the largest over-pressure factor of a history of wall stresses.
 

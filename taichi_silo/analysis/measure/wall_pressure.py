@@ -27,6 +27,9 @@ class Reading:
         return cls(size * CELL_M, size * HOPPER_CELL_M, size * CORNER_M)
 
 
+MODEL = Reading()
+
+
 def clear_of_corner(height_m: NDArray, reading: Reading) -> NDArray:
     """Which nodes, by their rising heights (n,) [m], have a pressure cell that does not reach into the corner."""
     return height_m > np.min(height_m, initial=np.inf) + reading.corner_m + 0.5 * reading.cell_m
