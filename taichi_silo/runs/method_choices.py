@@ -83,7 +83,8 @@ def outflow(scene: Scene) -> Part:
     """Speed and displacement, as given or chosen by the size of the silo."""
     flow, wide = scene.flow, scene.silo.width_m
     if flow.outflow == "gravity":
-        because = f"As asked for: until a gate would have sunk by {1e3 * flow.displacement_m:g} mm, for {flow.longest_s:g} s at most."
+        until = f"until a gate would have sunk by {1e3 * flow.displacement_m:g} mm"
+        because = f"As asked for: {until}, for {flow.longest_s:g} s at most."
         return Part("outflow", "falls freely", because, "--displacement")
     froude = flow.speed_m_per_s / math.sqrt(scene.method.gravity_m_per_s2 * wide)
     ratios = {
