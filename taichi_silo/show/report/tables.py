@@ -117,7 +117,7 @@ def _force_note(run: Result, theory: dict) -> str:
         for key in ORIGINS
         if theory.get(f"pressure_ratio_{key}") is not None
     ]
-    if ratios:
+    if ratios and straight_m(run):
         angle = number(theory.get("wall_friction_angle_deg"))
         words += f" Janssen: wall friction {angle}°, {', '.join(ratios)} (in brackets: the run against it)."
     found = run.summary.get("theory") or {}
@@ -135,7 +135,7 @@ def _force_note(run: Result, theory: dict) -> str:
 def stress_table(run: Result) -> ReportTable | None:
     """Table of wall normal stresses at some heights, with Janssen and EN 1991-4; None without wall profiles."""
     sides, silo = ("left", "right") if run.lopsided else ("both",), run.scene.silo
-    if not len(wall_profile(run, "filling", wall=sides[0])[0]):
+    if not straight_m(run) or not len(wall_profile(run, "filling", wall=sides[0])[0]):
         return None
     heights = [silo.transition_m + share * straight_m(run) for share in HEIGHTS]
     laws = {origin: janssen(run, ratio) for origin, ratio in pressure_ratios(run).items()}
