@@ -35,7 +35,7 @@ from taichi_silo.show.figures.void_ratio import (
     limits_of,
     moment,
 )
-from taichi_silo.show.figures.wall_stress import LEGEND, LOPSIDED, STRESSES, draw_stress, fit_bold, has_profiles
+from taichi_silo.show.figures.wall_stress import STRESSES, draw_stress, fit_bold, has_profiles, legend
 from taichi_silo.show.titles import sand_title
 
 
@@ -167,7 +167,7 @@ def case_wall_stress_figure(runs):
         handles.update(zip(labels, lines, strict=True))
     columns = 5 if len(runs) > 3 else min(2, len(runs))
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=columns)
-    figure.suptitle(f"Wall stresses\n{LOPSIDED if any(run.lopsided for run in runs) else LEGEND}")
+    figure.suptitle(f"Wall stresses\n{legend(next((run for run in runs if run.lopsided), runs[0]))}")
     return figure
 
 

@@ -17,7 +17,6 @@ from typer import Option
 
 from taichi_silo import Flow, Machine, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.cli import command_line, flags
-from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.runs.theories import janssen_of
 from taichi_silo.scene import sands
 from taichi_silo.scene.published_sands import published
@@ -130,7 +129,7 @@ def held(output: Path) -> pd.DataFrame:
 
 def draw(histories: dict[str, pd.DataFrame], scene: Scene) -> Figure:
     """N against time, filling and flow, with Janssen's value."""
-    ratio = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio)
+    ratio = scene.sand.skeleton().rest_pressure_ratio(scene.sand.void_ratio)
     theory = janssen_of(scene, scene.walls.friction_angle_deg, ratio)
     figure = new_figure(9.0, 4.6)
     axes = figure.subplots()

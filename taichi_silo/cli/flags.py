@@ -55,7 +55,7 @@ def default_of(scene: Scene, path: str) -> Any:
     """What a flag is without being given; None where that depends on other things."""
     if path == TIME_STEP:
         return AUTO
-    if path in OF_FIDELITY or path == "machine.threads":
+    if path in OF_FIDELITY or path == "machine.threads" or path.removeprefix("flow.") in scene.flow.chosen:
         return None
     return value(scene, path)
 

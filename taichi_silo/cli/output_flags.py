@@ -13,6 +13,7 @@ OutputFlag = Annotated[Path | None, typer.Option(help="folder of the run; output
 OverwriteFlag = Annotated[bool, typer.Option("--overwrite", help="replace a run in the output folder")]
 FilmFlag = Annotated[bool, typer.Option(help="draw void_ratio.mp4")]
 FiguresFlag = Annotated[bool, typer.Option(help="draw figures/*.png")]
+YesFlag = Annotated[bool, typer.Option("--yes", "-y", help="begin runs of more than an hour without asking")]
 ExplainFlag = Annotated[
     bool, typer.Option("--explain", help="print which parts of the method the scene uses, and why, and stop")
 ]

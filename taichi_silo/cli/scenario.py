@@ -15,6 +15,7 @@ from taichi_silo.cli.output_flags import (
     OutputFlag,
     OverwriteFlag,
     QuietFlag,
+    YesFlag,
 )
 from taichi_silo.scene.dotted_paths import tables_with
 from taichi_silo.scene.fidelity import STANDARD, Fidelity
@@ -43,6 +44,7 @@ RUN = [
     "film",
     "figures",
     "explain",
+    "yes",
     "quiet",
     "json",
 ]  # parameters of all, no values
@@ -77,7 +79,8 @@ def silo_scenario(
     def scenario(
         *, sand: flags.SandFlag = scene.sand.name, fidelity: flags.FidelityFlag = STANDARD,
         output: OutputFlag = None, overwrite: OverwriteFlag = False, film: FilmFlag = True,
-        figures: FiguresFlag = True, explain: ExplainFlag = False, quiet: QuietFlag = False, json: JsonFlag = False,
+        figures: FiguresFlag = True, explain: ExplainFlag = False, yes: YesFlag = False, quiet: QuietFlag = False,
+        json: JsonFlag = False,
         **values: Any,
     ) -> Path | None:  # fmt: skip
         chosen, console = named_fidelity(fidelity), Console(quiet, json)
@@ -90,13 +93,14 @@ def silo_scenario(
         if explain:
             command_line.explain(wanted)
             return None
+        from taichi_silo.cli.long_runs import permission
         from taichi_silo.runs import run_folder  # not needed to show the flags
         from taichi_silo.runs.observers.progress import ProgressLine
 
         usual = Path("outputs") / f"{name(wanted)}_e{wanted.sand.void_ratio:.2f}_{wanted.walls.kind}"
         folder = output.expanduser() if output else run_folder.free_name(usual)
         console.say(f"The run goes to {folder}.")
-        lines = ProgressLine(console.terminal)
+        lines = ProgressLine(console.terminal, permission(console, yes))
         left = api.run(wanted, folder, overwrite=overwrite, film=film, figures=figures, progress=False, extra=(lines,))
         command_line.tell(left.folder, console)
         return folder
@@ -120,6 +124,10 @@ def _tables(
     if settings["walls.kind"] == "smooth" and ANGLE not in settings:
         settings[ANGLE] = model_silo.smooth_angle_deg(void_ratio)
     tables = tables_with(scene, settings) | {"sand": named_sand(sand, void_ratio, law=law).model_dump()}
+    if fidelity is named_fidelity(STANDARD):  # its values are a scene's own, which follow the size of the silo
+        for path in set(fidelity.settings) - set(given):
+            table, name = path.split(".")
+            tables[table].pop(name, None)
     if "machine.threads" not in settings:
         del tables["machine"]["threads"]  # those of the default scene, which has other points
     return tables

@@ -48,6 +48,9 @@ class Law(Protocol):
     def REMEMBERS(self) -> bool:
         """Whether points carry intergranular strain."""
 
+    def rest_pressure_ratio(self, void_ratio: float) -> float:
+        """K0 that one-dimensional compression tends to at a void ratio."""
+
 
 class Transfer(Protocol):
     """How a point gets its velocity from the grid (see `velocity_transfer`)."""

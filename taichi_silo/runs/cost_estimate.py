@@ -16,9 +16,9 @@ import numpy as np
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.field_memory import put
-from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.mpm.shapes import SHAPES
+from taichi_silo.scene import memory_need
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow
 from taichi_silo.simulation.discretise import period_of, wave_speed_of
@@ -33,7 +33,9 @@ SHARPNESS = (0.85, 1.17)  # where that growth begins and ends
 RESOLVED = 1.38  # factor of the latter where several points share a cell
 REHEARSED_S = 0.4  # of stepping
 FIRST_INTERVALS, FEWEST_INTERVALS = 3, 5  # of a rehearsal: those that compile and build lists, and those measured
+REHEARSED_POINTS = 20e6  # times steps in an interval of a rehearsal, at most: some two seconds
 REHEARSED_SHARE = 0.03  # of a run's steps, at most, unless they are fewer than in those intervals
+HOUR_S = 3600.0
 START_S = 6.0  # of a process: Taichi's start and the compilation of the step
 
 
@@ -45,10 +47,35 @@ class Cost:
     steps: int
     core_seconds: float
 
+    threads: int = 1
+
+    @property
+    def seconds(self) -> float:
+        """Of stepping, by the clock."""
+        return self.core_seconds / self.threads
+
+    def words(self) -> str:
+        """What it is, in a line."""
+        long = "" if self.seconds >= HOUR_S else " minutes"
+        return f"{self.points:,} points, about {self.steps:,} steps: some {clock(self.seconds)}{long} of stepping"
+
     @property
     def nanoseconds(self) -> float:
         """Of one point and step, on one core."""
         return 1e9 * self.core_seconds / (self.points * self.steps)
+
+
+def clock(seconds: float) -> str:
+    """Minutes and seconds, or from an hour on hours and minutes.
+
+    >>> clock(65.0), clock(9000.0)
+    ('1:05', '2:30 h')
+    """
+    if not math.isfinite(seconds):
+        return "?"
+    large = seconds >= HOUR_S
+    whole, rest = divmod(round(seconds / 60.0 if large else seconds), 60)
+    return f"{whole:d}:{rest:02d}{' h' if large else ''}"
 
 
 def steps(scene: Scene) -> int:
@@ -107,7 +134,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
     rates: list[float] = []
     machine = model.scene.machine
     # of one thread its own time, which other programs on the machine do not lengthen
-    clock = time.process_time if machine.arch == "cpu" and machine.threads == 1 else time.perf_counter
+    timer = time.process_time if machine.arch == "cpu" and machine.threads == 1 else time.perf_counter
     end, begun, done = 0.0, 0, 0
     with contextlib.suppress(RunFailed):  # a run that cannot go on will say so itself
         while len(rates) < FEWEST_INTERVALS or (time.monotonic() < end and done < most):
@@ -118,13 +145,14 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
                 break
             step = model.scene.method.time_step(sums, STEP_SAFETY)
             count = max(1, math.ceil(model.interval / step - 1e-9))
-            started = clock()
+            started = timer()
             gravity = model.gravity, model.gravity
-            solver.advance(count, model.interval / count, gravity, (-speed if begun else 0.0, -speed))
+            taken = min(count, max(1, int(REHEARSED_POINTS / model.particles.count)))
+            solver.advance(taken, model.interval / count, gravity, (-speed if begun else 0.0, -speed))
             solver.impulses.read_and_reset()  # waits for the device
-            begun, done = begun + 1, done + count
+            begun, done = begun + 1, done + taken
             if begun > FIRST_INTERVALS:
-                rates.append((clock() - started) / count)
+                rates.append((timer() - started) / taken)
     model.particles.load(points)
     put(model.grid.memory, 0.0)
     solver.surfaces.clear()
@@ -137,7 +165,7 @@ def _at_rest(model: Model, points: dict[str, np.ndarray]) -> dict[str, np.ndarra
     scene = model.scene
     depth = np.maximum(scene.silo.height_m - points["position"][:, 1], 0.0)
     vertical = -scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * depth
-    side = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio) * vertical
+    side = scene.law.rest_pressure_ratio(scene.sand.void_ratio) * vertical
     stress = np.minimum(np.stack([side, vertical, side, 0.0 * side], axis=1), points["stress"])
     stress[:, 3] = 0.0
     return points | {"stress": stress}
@@ -149,9 +177,19 @@ def at_pace(scene: Scene, seconds: float) -> Cost:
     return Cost(scene.points, number, seconds * scene.points * number)
 
 
+def before_start(scene: Scene) -> Cost:
+    """The cost of a scene's run, on the machine that it names, which is started.
+
+    Raises BadInput if it cannot be used, or has not the memory.
+    """
+    memory_need.check(scene)
+    scene.machine.start()
+    return predict(Simulation(scene))
+
+
 def predict(simulation: Simulation) -> Cost:
     """The cost of a run, before it starts."""
     scene = simulation.scene
     number = steps(scene)
     pace = rehearse(simulation, most=REHEARSED_SHARE * number)
-    return Cost(scene.points, number, number * pace * runtime.threads())
+    return Cost(scene.points, number, number * pace * runtime.threads(), runtime.threads())

@@ -22,8 +22,8 @@ def solids() -> dict[str, Solid]:
 def eurocode_of(scene: Scene | Design) -> EurocodeSilo | None:
     """The vertical walls of a scene's silo after EN 1991-4, with the solid that it names; None without such walls."""
     silo, code = scene.silo, scene.eurocode
-    height = silo.height_m - silo.transition_m
-    if not height > 0.0:
+    height = silo.straight_m
+    if not height:
         return None
     left, right = silo.outlet_m
     eccentricity = abs(0.5 * (left + right) - 0.5 * silo.width_m)

@@ -4,6 +4,7 @@ Each part decides where it lives (`averaging.py`, `symmetry.py`, `scene.py`, ...
 with the number behind it. What a scene does not use is compiled out.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,6 +44,7 @@ def parts(scene: Scene) -> list[Part]:
     period = period_of(scene)
     return [
         cell_size(scene),
+        outflow(scene),
         intergranular_strain(scene),
         non_local_average(scene),
         half(scene),
@@ -75,6 +77,23 @@ def cell_size(scene: Scene) -> Part:
         f"{(right - left) / h:.3g} across the outlet."
     )
     return Part("cell size", f"{1e3 * h:.6g} mm", because, "--cell-size")
+
+
+def outflow(scene: Scene) -> Part:
+    """Speed and displacement, as given or chosen by the size of the silo."""
+    flow, wide = scene.flow, scene.silo.width_m
+    if flow.outflow == "gravity":
+        until = f"until a gate would have sunk by {1e3 * flow.displacement_m:g} mm"
+        because = f"As asked for: {until}, for {flow.longest_s:g} s at most."
+        return Part("outflow", "falls freely", because, "--displacement")
+    froude = flow.speed_m_per_s / math.sqrt(scene.method.gravity_m_per_s2 * wide)
+    ratios = {
+        "speed_m_per_s": f"speed {{}}: {froude:.3g} of the root of gravity and width",
+        "displacement_m": f"displacement {{}}: {flow.displacement_m / wide:.3g} of the width",
+    }
+    told = [words.format("chosen" if name in flow.chosen else "as given") for name, words in ratios.items()]
+    choice = f"{1e3 * flow.speed_m_per_s:g} mm/s, {1e3 * flow.displacement_m:g} mm"
+    return Part("outflow", choice, _sentence("; ".join(told)) + ".", "--speed, --displacement")
 
 
 def intergranular_strain(scene: Scene) -> Part:

@@ -1,10 +1,12 @@
 """The folder that a run leaves, and the parameters in it."""
 
+import contextlib
 import os
 import platform
 import stat
 import subprocess
 import tempfile
+from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 
@@ -41,18 +43,39 @@ def writable(folder: Path) -> Path:
 
     """
     folder = bounded_reading.place(folder, "output")
-    made = []
+    made = _missing(folder)
     try:
-        made = [parent for parent in (folder, *folder.parents) if not parent.exists()]
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        for parent in made:
-            if parent.is_dir() and not any(parent.iterdir()):
-                parent.rmdir()
+        _remove_empty(made)
         raise BadInput(f"output {folder} cannot be written: {error.strerror or error}") from error
     return folder
+
+
+def _missing(folder: Path) -> list[Path]:
+    """The folder and those around it that are not there, the innermost first."""
+    try:
+        return [parent for parent in (folder, *folder.parents) if not parent.exists()]
+    except (OSError, ValueError):  # no name of a folder, which is said where it is made
+        return []
+
+
+def _remove_empty(folders: list[Path]) -> None:
+    for folder in folders:
+        with contextlib.suppress(OSError):
+            folder.rmdir()
+
+
+@contextlib.contextmanager
+def none_left_empty(folder: Path) -> Iterator[None]:
+    """Within, the folder of a run is made; if nothing has come into it at the end, it is taken away."""
+    made = _missing(folder)
+    try:
+        yield
+    finally:
+        _remove_empty(made)
 
 
 def own(folder: Path) -> Path:

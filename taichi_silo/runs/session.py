@@ -43,7 +43,7 @@ def run(
     drawing : what draws the run at its end, one after the other.
 
     """
-    with heard() as stops:
+    with heard() as stops, run_folder.none_left_empty(folder):
         with stops.at_once(BEFORE):
             memory_need.check(scene)
             scene.machine.start()
@@ -51,6 +51,7 @@ def run(
         with file_lock.held(folder):
             with stops.at_once(BEFORE):
                 session = _Session(scene, run_folder.free(folder, overwrite), _named(extra), drawing)
+                session.prepare()
             run_folder.claim(folder, overwrite)
             session.go(stops)
     return folder
@@ -137,6 +138,11 @@ class _Session:
             "log": self.log,
         }
         self.checkpoint = Checkpoint(folder, self.observers, kept["run"] if kept else None)
+
+    def prepare(self) -> None:
+        """What is done and asked before anything is written."""
+        for observer in self.observers.values():
+            observer.prepare(self.simulation)
 
     def go(self, stops: Stops) -> None:
         """Begin, or go on, and leave everything that a run leaves."""

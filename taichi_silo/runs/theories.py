@@ -15,8 +15,7 @@ def janssen_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> Janssen
     """Janssen's theory of the part with vertical walls."""
     silo = scene.silo
     density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
-    height = silo.height_m - silo.transition_m
-    return Janssen(silo.width_m, height, density, angle_deg, pressure_ratio, section=silo.section)
+    return Janssen(silo.width_m, silo.straight_m, density, angle_deg, pressure_ratio, section=silo.section)
 
 
 def critical_simple_shear_angle_deg(critical_friction_angle_deg: float) -> float:
@@ -62,8 +61,7 @@ def theory_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> dict:
     if code := eurocode_findings(scene):
         found["eurocode"] = code
     if silo.hopper is not None and 0.0 < angle_deg < 90.0:
-        straight = silo.height_m - silo.transition_m
-        above = float(janssen_of(scene, angle_deg, pressure_ratio).vertical_stress_Pa(straight))
+        above = float(janssen_of(scene, angle_deg, pressure_ratio).vertical_stress_Pa(silo.straight_m))
         girths = 2 if silo.section == "round" else 1  # metres of girth that forces are counted for
         for state in ("filling", "discharge"):
             try:

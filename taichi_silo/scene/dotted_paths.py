@@ -102,6 +102,8 @@ def tables_with(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
     tables = scene.model_dump()
     if scene.grid.chosen:
         del tables["grid"]["cell_size_m"]  # that of another silo is another one
+    for name in scene.flow.chosen:
+        del tables["flow"][name]  # so is this
     for path, value in values.items():
         if path in OUTSIDE:
             continue

@@ -6,13 +6,13 @@ The first are said before a run starts and kept in its summary: each is a cell o
 
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene.fidelity import like
+from taichi_silo.scene.flow import slow_speed_m_per_s
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.symmetry import SLENDER
 
 NOISY = ("apic", "gradient", "xpic", "blend", "pic")
 FEWEST_CELLS = 10  # that an outlet should be wide
 DEAD_EDGE = 1.7  # cells of its width that pass nothing in free outflow (`validation/beverloo.py`)
-SLOW = 0.002  # m/s, in the silo of 0.5 m: below it N has no trend any more
 
 
 def of_method(scene: Scene) -> list[str]:
@@ -105,10 +105,12 @@ def of_results(scene: Scene) -> list[str]:
         )
     if not silo.floor_is_outlet:
         found += _of_outlet(scene)
-    if rough and not free and speed > SLOW * 1.001:
+    slow = slow_speed_m_per_s(silo.width_m, scene.method.gravity_m_per_s2)
+    if rough and not free and speed > slow * 1.001:
         found.append(
             f"The outflow is driven at {1e3 * speed:g} mm/s. Between very rough walls N falls with the speed: at "
-            f"20 mm/s it is some 11 to 14 % below that at {1e3 * SLOW:g} mm/s, from where on it keeps its value."
+            f"{1e4 * slow:g} mm/s it is some 11 to 14 % below that at {1e3 * slow:g} mm/s, from where on it keeps its "
+            "value."
         )
     if silo.height_m > SLENDER * silo.width_m:
         found.append(
@@ -133,5 +135,5 @@ def _of_outlet(scene: Scene) -> list[str]:
             "void ratio and stress."
         )
     if scene.silo.hopper is not None or scene.silo.inserts:
-        found.append("On inclined walls single rows of the grid mean little; means over 50 mm do.")
+        found.append("On inclined walls single rows of the grid mean little; means over a quarter of the width do.")
     return found

@@ -15,6 +15,7 @@ from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.scene.averaging import Averaging
 from taichi_silo.scene.eurocode import Eurocode
+from taichi_silo.scene.flow import Flow
 from taichi_silo.scene.mesh import Mesh
 from taichi_silo.scene.method_options import MethodOptions
 from taichi_silo.scene.sand import Sand
@@ -58,27 +59,6 @@ class Walls(Options):
                 "[deg]; the paper's model silo has 19 for dense and 12.3 for loose sand"
             )
         return self
-
-
-class Flow(Options):
-    """Outflow: the bottom, or a gate in the outlet, sinks at a speed, or the sand falls out by its weight."""
-
-    outflow: Literal["controlled", "gravity"] = Field(
-        "controlled", description="the bottom or gate sinks at a given speed, or the sand falls out by its weight"
-    )
-    speed_m_per_s: float = Field(
-        0.002, ge=1e-9, le=1, description="speed of the bottom or gate, without meaning for gravity"
-    )
-    displacement_m: float = Field(
-        0.02, ge=1e-9, le=1000,
-        description="how far the bottom or gate sinks; for gravity that of a gate which lets out as much",
-    )  # fmt: skip
-    longest_s: float = Field(10.0, ge=1e-6, le=1e6, description="time of free outflow after which a run ends")
-
-    @property
-    def turns_back(self) -> bool:
-        """Whether sand is strained to and fro, as behind a free outflow, so that its law needs a memory."""
-        return self.outflow == "gravity"
 
 
 class Filling(Options):
@@ -179,9 +159,13 @@ class Scene(Options):
 
     @model_validator(mode="after")
     def _meshed(self):
-        grid = self.grid.fitted(self.silo)
-        if grid is not self.grid:
-            object.__setattr__(self, "grid", grid)
+        fitted = {
+            "grid": self.grid.fitted(self.silo),
+            "flow": self.flow.fitted(self.silo, self.method.gravity_m_per_s2),
+        }
+        for name, part in fitted.items():
+            if part is not getattr(self, name):
+                object.__setattr__(self, name, part)
         return self
 
     @model_validator(mode="after")

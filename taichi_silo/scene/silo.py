@@ -142,6 +142,18 @@ class Silo(Options):
         tangent = math.tan(math.radians(self.hopper.half_angle_deg))
         return 0.5 * (self.width_m - self.hopper.outlet_width_m) / tangent
 
+    @property
+    def straight_m(self) -> float:
+        """Height of sand between vertical walls on both sides; 0 where inclined walls lead up to its surface."""
+        straight = self.height_m - self.transition_m
+        return straight if straight > polygons.SAME else 0.0
+
+    @property
+    def one_sided(self) -> bool:
+        """Whether one wall stands vertical farther down than the other."""
+        left, right = self.feet_m
+        return abs(left - right) > polygons.SAME
+
     def between(self, y: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """X of the left and of the right wall [m] at heights y (array) [m]."""
         left, right = self.sides

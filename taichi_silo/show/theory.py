@@ -12,7 +12,7 @@ ORIGINS = {"K0": "K0 of the law", "measured": "measured K"}  # ends of names in 
 
 def straight_m(run: Result) -> float:
     """Height of sand between vertical walls [m]."""
-    return run.scene.silo.height_m - run.scene.silo.transition_m
+    return run.scene.silo.straight_m
 
 
 def wall_angle_deg(run: Result) -> float:
@@ -35,11 +35,20 @@ def janssen(run: Result, pressure_ratio: float) -> Janssen | None:
 
     Its friction angle is the one stored with the pressure ratios, for very rough walls the mobilised one.
     """
-    if not straight_m(run) > 0.0:
+    if not straight_m(run):
         return None
     stored = (run.summary.get("janssen") or {}).get("wall_friction_angle_deg")
     angle = stored if stored is not None and 0.0 <= stored < 90.0 else wall_angle_deg(run)
     return janssen_of(run.scene, angle, pressure_ratio)
+
+
+def filled_beside_janssen(theory: dict, name: str, filled: float | None) -> float | None:
+    """P, T or N after filling as Janssen's theory counts it: of walls that are not alike above the higher foot.
+
+    `theory` is that of the summary, `filled` the force of the whole walls.
+    """
+    walls, key = theory.get("walls"), {"T": "shear_N_per_m", "N": "normal_N_per_m"}.get(name)
+    return filled if not walls or key is None else sum(wall[key] for wall in walls.values()) / len(walls)
 
 
 def eurocode(run: Result) -> EurocodeSilo | None:

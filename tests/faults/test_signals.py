@@ -9,6 +9,7 @@ import pytest
 
 from taichi_silo.errors import BadInput, Stopped
 from taichi_silo.runs import session
+from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.session import resume, run
 from taichi_silo.utils import checked_npz, file_lock
 from tests.faults.harness import ROOT, At, assert_same, assert_sound, contents, failed, send
@@ -49,6 +50,29 @@ def test_while_it_compiles_nothing_has_begun_and_nothing_is_lost(number, tmp_pat
         run(SMALLEST, again, overwrite=True)
     assert contents(again) == before, "it is not yet replaced"
     tried("faults survived", "stopped while it compiles", 3)
+
+
+@BOTH
+def test_while_the_cost_is_rehearsed_no_folder_is_left(number, tmp_path, whole, tried):
+    """Nor the ones around it; of a run that would have been replaced nothing is touched."""
+
+    class Rehearsal(Observer):
+        def prepare(self, simulation):
+            send(number)()
+            raise AssertionError("it went on")
+
+    assert stopped(number, tmp_path / "new" / "run", extra=(Rehearsal(),)) == session.BEFORE
+    assert not (tmp_path / "new").exists()
+    there = tmp_path / "there"
+    stopped(number, there, extra=(At(5, send(number)),))
+    before = contents(there)
+    assert stopped(number, there, overwrite=True, extra=(Rehearsal(),)) == session.BEFORE
+    assert contents(there) == before
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    stopped(number, empty, extra=(Rehearsal(),))
+    assert empty.is_dir(), "it was the user's"
+    tried("faults survived", "stopped while its cost is rehearsed", 3)
 
 
 @BOTH
@@ -142,6 +166,9 @@ class Runner:
 
     def __init__(self, scene, folder, extra, drawing):
         self.folder = folder
+
+    def prepare(self):
+        pass
 
     def go(self, stops):
         (self.folder / "run.toml").write_text("")

@@ -11,7 +11,6 @@ from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.field_store import Fields
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.mpm.p2g import scatter
 from taichi_silo.runs.observers.wall_profiles import wall_stress
 from taichi_silo.scene.scene import Flow, Mesh, Method, Sand, Scene, Silo, Walls
@@ -167,7 +166,7 @@ def test_filling_between_smooth_walls_agrees_with_janssen_at_the_laws_own_pressu
         history = histories[void_ratio, "smooth"]
         scene = history.scene
         theory = Janssen(
-            0.2, 0.5, scene.density_kg_per_m3 * 9.81, angle, rest_pressure_ratio(scene.sand.skeleton(), void_ratio)
+            0.2, 0.5, scene.density_kg_per_m3 * 9.81, angle, scene.sand.skeleton().rest_pressure_ratio(void_ratio)
         )
         last = history.filling[-10:]
         assert np.mean([r.normal_N_per_m for r in last]) == pytest.approx(theory.normal_force_N_per_m, rel=0.15)
@@ -227,7 +226,7 @@ def test_sand_with_memory_fills_and_flows_between_smooth_walls_as_janssen_says()
     simulation = Simulation(scene)
     assert simulation.points()["intergranular"] == pytest.approx(np.tile([0.0, -1e-4, 0.0, 0.0], (160, 1)))
     records = list(simulation.run())
-    theory = Janssen(0.2, 0.5, scene.density_kg_per_m3 * 9.81, 19.0, rest_pressure_ratio(scene.sand.skeleton(), 0.60))
+    theory = Janssen(0.2, 0.5, scene.density_kg_per_m3 * 9.81, 19.0, scene.sand.skeleton().rest_pressure_ratio(0.60))
     filled = np.mean([r.normal_N_per_m for r in records if r.stage == "filling"][-10:])
     flowing = np.mean([r.normal_N_per_m for r in records][-5:])
     assert filled == pytest.approx(theory.normal_force_N_per_m, rel=0.1)

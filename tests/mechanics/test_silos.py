@@ -9,7 +9,6 @@ import pytest
 from taichi_silo.analysis.theory.beverloo import slot_rate_kg_per_s_m
 from taichi_silo.analysis.theory.janssen import Janssen
 from taichi_silo.mpm import runtime
-from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.scene.scene import Filling, Flow, Mesh, Method, Sand, Scene, Walls
 from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
 from taichi_silo.scene.stress_filter import filter_of
@@ -204,7 +203,7 @@ def test_an_insert_carries_more_than_the_sand_above_it_weighs_per_width(historie
 
 
 def janssen(scene, **choices):
-    ratio = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio)
+    ratio = scene.sand.skeleton().rest_pressure_ratio(scene.sand.void_ratio)
     density = scene.density_kg_per_m3 * 9.81
     return Janssen(scene.silo.width_m, scene.silo.height_m, density, 19.0, ratio, **choices)
 

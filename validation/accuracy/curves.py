@@ -72,6 +72,6 @@ class WallProfile(Observer):
             nodes, stress = wall_stress(force, scene.grid.cell_size_m, closed=False)
             sides.append(normal_and_shear(wall, stress)[0])
         fine = np.arange(0.0, scene.silo.height_m, FINE_M)
-        read = cell_mean(fine, np.interp(fine, nodes, np.mean(sides, axis=0)))
+        read = cell_mean(fine, np.interp(fine, nodes, np.mean(sides, axis=0)), CELL_M)
         height = np.arange(CORNER_M + 0.5 * CELL_M, SURFACE * scene.silo.height_m, SPACING_M)
         return {"height_m": height, "normal_stress_Pa": np.interp(height, fine, read)}

@@ -130,7 +130,7 @@ class CaseRun:
             raise self.damaged(f"walls.csv lacks the {wall} wall, {state}")
         height, clear = height - height[0], CORNER_M
         if reading == "cell":
-            value, clear = cell_mean(height, value), clear + 0.5 * CELL_M
+            value, clear = cell_mean(height, value, CELL_M), clear + 0.5 * CELL_M
         chosen = (height > clear) & (height < SURFACE * self.case.silo_height_m)
         return height[chosen], value[chosen]
 

@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from taichi_silo.errors import RunFailed
-from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.runs.theories import janssen_of
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
@@ -103,7 +102,7 @@ def history(method: dict, law: str, control: str | None) -> dict:
     end = state(simulation)
     rows = np.array(rows)
     scene = simulation.scene
-    ratio = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio)
+    ratio = scene.sand.skeleton().rest_pressure_ratio(scene.sand.void_ratio)
     theory = janssen_of(scene, scene.walls.friction_angle_deg, ratio)
     steady = rows[len(rows) // 2 :, 1]
     return {

@@ -4,7 +4,6 @@ import numpy as np
 
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.laws import GudehusBauer
-from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import SHAPES
@@ -57,7 +56,7 @@ def slot(cells_across: int, shape: str = "ugimp", slenderness: float = 4.0) -> d
     )  # fmt: skip
     simulation = Simulation(scene)
     records = list(simulation.run())
-    ratio = rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio)
+    ratio = scene.sand.skeleton().rest_pressure_ratio(scene.sand.void_ratio)
     theory = janssen_of(scene, scene.walls.friction_angle_deg, ratio).normal_force_N_per_m
     normal = np.mean([record.normal_N_per_m for record in records[-20:]])
     return {

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import MODEL, Reading, cell_mean
 
 LEAST_SHARE = 0.1  # of the greatest filling stress on a wall; below, no factor
 
@@ -40,6 +40,7 @@ def largest_overpressure(
     normal_stress_Pa: NDArray,
     filling_stress_Pa: NDArray,
     displacement_m: NDArray | None = None,
+    reading: Reading = MODEL,
 ) -> Overpressure:
     """Find the largest over-pressure factor of a history of wall stresses.
 
@@ -50,6 +51,7 @@ def largest_overpressure(
     normal_stress_Pa : (times, walls, heights) normal stress, positive in compression [Pa]; nan where there is none.
     filling_stress_Pa : (walls, heights) the same at the end of filling [Pa].
     displacement_m : (times,) of the bottom [m], optional.
+    reading : lengths of pressure cell and corner; those of the model silo if not told.
 
     Raises ValueError if shapes do not fit or heights do not rise.
     """
@@ -66,10 +68,10 @@ def largest_overpressure(
     if displacement.shape != time.shape:
         raise ValueError(f"{len(time)} times, but {displacement.size} displacements")
 
-    reader = np.column_stack([cell_mean(height, node) for node in np.eye(len(height))])
+    reader = np.column_stack([cell_mean(height, node, reading.cell_m) for node in np.eye(len(height))])
     read, before = _read(reader, stress), _read(reader, filling)
     highest = np.nanmax(before, axis=1, keepdims=True, initial=0.0)
-    clear = height >= height[0] + CORNER_M + 0.5 * CELL_M - 1e-9
+    clear = height >= height[0] + reading.corner_m + 0.5 * reading.cell_m - 1e-9
     measured = clear & (before >= LEAST_SHARE * highest) & (before > 0.0)
     quotient = np.where(measured, read / np.where(measured, before, 1.0), np.nan)
     by_height = np.max(np.where(np.isnan(quotient), -np.inf, quotient), axis=0, initial=-np.inf)

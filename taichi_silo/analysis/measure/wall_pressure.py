@@ -1,20 +1,41 @@
 """Wall stress as a pressure cell reads it, and where along a wall stresses mean something."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-CELL_M = 0.02  # height of a pressure cell [m]: a usual size in model silos
-HOPPER_CELL_M = 0.05  # on inclined walls [m], where single rows of the grid mean little
-CORNER_M = 0.0125  # above the bottom [m]: stresses there belong to the corner
+MODEL_WIDTH_M = 0.2  # of the model silo, in which
+CELL_M = 0.02  # is the height of a pressure cell [m]: a usual size in model silos;
+HOPPER_CELL_M = 0.05  # that on inclined walls [m], where single rows of the grid mean little;
+CORNER_M = 0.0125  # the height above the bottom [m] below which stresses belong to the corner
 SURFACE = 0.9  # of the fill height: above, the stress is a few pascals, and the law is not calibrated for it
 
 
-def clear_of_corner(height_m: NDArray, cell_m: float = CELL_M) -> NDArray:
+@dataclass(frozen=True)
+class Reading:
+    """Lengths over which wall stresses are read: those of the model silo, or of one of another size."""
+
+    cell_m: float = CELL_M
+    hopper_cell_m: float = HOPPER_CELL_M
+    corner_m: float = CORNER_M
+
+    @classmethod
+    def of(cls, width_m: float, height_m: float) -> "Reading":
+        """They grow with the width of a silo, in one that is wider than high with its height."""
+        size = min(width_m, max(height_m, MODEL_WIDTH_M)) / MODEL_WIDTH_M
+        return cls(size * CELL_M, size * HOPPER_CELL_M, size * CORNER_M)
+
+
+MODEL = Reading()
+
+
+def clear_of_corner(height_m: NDArray, reading: Reading) -> NDArray:
     """Which nodes, by their rising heights (n,) [m], have a pressure cell that does not reach into the corner."""
-    return height_m > np.min(height_m, initial=np.inf) + CORNER_M + 0.5 * cell_m
+    return height_m > np.min(height_m, initial=np.inf) + reading.corner_m + 0.5 * reading.cell_m
 
 
-def cell_mean(height_m: NDArray, stress_Pa: NDArray, cell_m: float = CELL_M) -> NDArray:
+def cell_mean(height_m: NDArray, stress_Pa: NDArray, cell_m: float) -> NDArray:
     """Mean (n,) of the nodal stress (piecewise linear) over a pressure cell centred at each node, of rising heights.
 
     Near an end the cell is cut off there. A stress that alternates from node to node averages out.

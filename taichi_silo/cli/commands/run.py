@@ -5,7 +5,15 @@ from typing import Annotated
 
 import typer
 
-from taichi_silo.cli.output_flags import ExplainFlag, FiguresFlag, FilmFlag, JsonFlag, OverwriteFlag, QuietFlag
+from taichi_silo.cli.output_flags import (
+    ExplainFlag,
+    FiguresFlag,
+    FilmFlag,
+    JsonFlag,
+    OverwriteFlag,
+    QuietFlag,
+    YesFlag,
+)
 
 OPTIONS = {"context_settings": {"ignore_unknown_options": True, "allow_extra_args": True}, "add_help_option": False}
 
@@ -62,7 +70,10 @@ def scene_file(
         int | None, typer.Option(help="CPU threads that share a step; those of the scene if not given")
     ] = None,
     explain: ExplainFlag = False,
-    check: Annotated[bool, typer.Option("--check", help="only say whether the scene is possible")] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="only say whether the scene is possible, and its cost")
+    ] = False,
+    yes: YesFlag = False,
     quiet: QuietFlag = False,
     json: JsonFlag = False,
 ) -> None:
@@ -87,14 +98,20 @@ def scene_file(
         command_line.explain(wanted)
         return
     if check:
+        from taichi_silo.runs import cost_estimate
+
         console.say(f"{scene} is a possible scene: {wanted.points:,} points, {wanted.weight_N_per_m:.4g} N/m of sand")
-        console.result({"scene": wanted.model_dump(mode="json"), "points": wanted.points})
+        cost = cost_estimate.before_start(wanted)
+        console.say(cost.words())
+        told = {"points": wanted.points, "steps": cost.steps, "seconds": cost.seconds}
+        console.result({"scene": wanted.model_dump(mode="json")} | told)
         return
     from taichi_silo import api
+    from taichi_silo.cli.long_runs import permission
     from taichi_silo.runs.observers.progress import ProgressLine
 
     folder = output.expanduser() if output else free_name(Path("outputs") / named(scene))
     console.say(f"The run goes to {folder}.")
-    lines = (ProgressLine(console.terminal),)
+    lines = (ProgressLine(console.terminal, permission(console, yes)),)
     left = api.run(wanted, folder, overwrite=overwrite, film=film, figures=figures, progress=False, extra=lines)
     command_line.tell(left.folder, console)

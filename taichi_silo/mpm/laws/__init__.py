@@ -17,6 +17,8 @@ The contract of a law, a frozen dataclass (so that equal laws share one compiled
     the isotropic pressure [Pa] that unloaded material starts from (0 if it may be free of stress).
 `degree`
     degree of the rate as a homogeneous function of the stress (0 where it does not depend on it).
+`rest_pressure_ratio(void_ratio)`
+    K0, horizontal over vertical stress, that one-dimensional compression tends to (Python scope).
 `grain_density`
     [kg/m3].
 `loosest`

@@ -30,6 +30,10 @@ class Elastic:
         """Shear modulus [Pa]."""
         return 0.5 * self.young_modulus_Pa / (1.0 + self.poisson_ratio)
 
+    def rest_pressure_ratio(self, void_ratio: float) -> float:
+        """K0 = nu / (1 - nu) of one-dimensional compression."""
+        return self.poisson_ratio / (1.0 - self.poisson_ratio)
+
     @ti.func
     def factors(self, stress, void_ratio):
         """None."""

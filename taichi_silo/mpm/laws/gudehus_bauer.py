@@ -174,30 +174,29 @@ class GudehusBauer:
         largest = ti.min(largest_principal(relative), 1.0)
         return f_s * (a1 * a1 + largest * largest), f_s * f_d * a1 * (2.0 * largest - 1.0 / 3.0)
 
+    def rest_pressure_ratio(self, void_ratio: float, stress_Pa: float = 3e3) -> float:
+        """K0 = sigma_h / sigma_v that one-dimensional compression tends to at this void ratio (Python scope).
 
-def rest_pressure_ratio(law: GudehusBauer, void_ratio: float, stress_Pa: float = 3e3) -> float:
-    """K0 = sigma_h / sigma_v that one-dimensional compression tends to at this void ratio (Python scope).
+        The proportional path of hypoplasticity: T_obj parallel to T under uniaxial compression; found by bisection on
+        the direction of the rate.
+        """
 
-    The proportional path of hypoplasticity: T_obj parallel to T under uniaxial compression; found by bisection on
-    the direction of the rate.
-    """
+        def drift(k0: float) -> float:
+            vertical, side = -stress_Pa, -k0 * stress_Pa
+            tr = vertical + 2.0 * side
+            t_v, t_h = vertical / tr, side / tr
+            s_v, s_h = t_v - 1.0 / 3.0, t_h - 1.0 / 3.0
+            size = math.sqrt(s_v**2 + 2.0 * s_h**2)
+            cos_3theta = 0.0 if size == 0.0 else -SQRT6 * (s_v**3 + 2.0 * s_h**3) / size**3
+            a1 = 1.0 / (self.c1 + self.c2 * size * (1.0 + cos_3theta))
+            e_d, e_c, _ = self.void_ratio_limits(-tr / 3.0)
+            f_d = (max(void_ratio - e_d, 0.0) / (e_c - e_d)) ** self.alpha
+            rate_v = -(a1**2) - t_v * t_v + f_d * a1 * (t_v + s_v)
+            rate_h = -t_h * t_v + f_d * a1 * (t_h + s_h)
+            return rate_h / rate_v - k0
 
-    def drift(k0: float) -> float:
-        vertical, side = -stress_Pa, -k0 * stress_Pa
-        tr = vertical + 2.0 * side
-        t_v, t_h = vertical / tr, side / tr
-        s_v, s_h = t_v - 1.0 / 3.0, t_h - 1.0 / 3.0
-        size = math.sqrt(s_v**2 + 2.0 * s_h**2)
-        cos_3theta = 0.0 if size == 0.0 else -SQRT6 * (s_v**3 + 2.0 * s_h**3) / size**3
-        a1 = 1.0 / (law.c1 + law.c2 * size * (1.0 + cos_3theta))
-        e_d, e_c, _ = law.void_ratio_limits(-tr / 3.0)
-        f_d = (max(void_ratio - e_d, 0.0) / (e_c - e_d)) ** law.alpha
-        rate_v = -(a1**2) - t_v * t_v + f_d * a1 * (t_v + s_v)
-        rate_h = -t_h * t_v + f_d * a1 * (t_h + s_h)
-        return rate_h / rate_v - k0
-
-    low, high = 1e-3, 1.0
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if drift(middle) > 0.0 else (low, middle)
-    return 0.5 * (low + high)
+        low, high = 1e-3, 1.0
+        for _ in range(100):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if drift(middle) > 0.0 else (low, middle)
+        return 0.5 * (low + high)

@@ -71,6 +71,10 @@ class Intergranular:
         """Of the skeleton."""
         return self.skeleton.degree
 
+    def rest_pressure_ratio(self, void_ratio: float) -> float:
+        """Of the skeleton: compression that goes on leaves nothing of what was before it."""
+        return self.skeleton.rest_pressure_ratio(void_ratio)
+
     def void_ratio_limits(self, pressure_Pa: float) -> tuple[float, float, float]:
         """(e_d, e_c, e_i) of the skeleton at mean stress p."""
         return self.skeleton.void_ratio_limits(pressure_Pa)

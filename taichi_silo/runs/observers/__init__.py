@@ -26,6 +26,9 @@ class Observer:
         """
         return True
 
+    def prepare(self, simulation) -> None:
+        """Before a new run writes anything: whatever is raised here leaves none."""
+
     def begin(self, simulation) -> None:
         """Before the first interval."""
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import platform
+import time
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -10,6 +11,7 @@ from taichi_silo.mpm import language, runtime
 from taichi_silo.runs.observers import Observer
 
 PART = 0.1  # of the simulated time between two lines on how far it is
+SOON_S = 5.0  # by the clock, after which the first of them comes at the latest
 
 
 class Log(Observer):
@@ -25,6 +27,7 @@ class Log(Observer):
     def begin(self, simulation) -> None:
         """Say what begins."""
         self.simulation, self.told, self.part = simulation, 0, 0.0
+        self.begun, self.spoke = time.monotonic(), False
         self.total = simulation.model.filling_time + 5.0 * simulation.model.period + simulation.model.flow_time
         scene = simulation.scene
         self.stream = open(self.file, "a", buffering=1, encoding="utf-8")  # noqa: SIM115 - see end()
@@ -56,8 +59,8 @@ class Log(Observer):
         """Write what is new."""
         self._tell()
         part = record.time_s / self.total
-        if part >= self.part + PART:
-            self.part = part
+        if part >= self.part + PART or (not self.spoke and time.monotonic() > self.begun + SOON_S):
+            self.part, self.spoke = part, True
             p, t, n = (
                 value / 1e3 for value in (record.bottom_force_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
             )

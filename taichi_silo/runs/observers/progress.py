@@ -3,36 +3,46 @@
 import contextlib
 import sys
 import time
+from collections.abc import Callable
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
 from taichi_silo.mpm import runtime
-from taichi_silo.runs.cost_estimate import predict
+from taichi_silo.runs.cost_estimate import clock, predict
 from taichi_silo.runs.observers import Observer
 
 LINE_EVERY = 0.1  # of the run, where no terminal shows a moving line
+SOON_S = 5.0  # after which it shows that the run goes on, once, if a tenth takes longer
 SMOOTHING = 0.05  # of the forces shown
 
 
 class ProgressLine(Observer):
-    """Percentage, simulated and remaining time, and the present P, T, N."""
+    """Percentage, simulated and remaining time, and the present P, T, N.
 
-    def __init__(self, console: Console | None = None):
-        self.console = console or Console(stderr=not sys.stdout.isatty())
+    Parameters
+    ----------
+    console : where to; stdout, or stderr if nobody reads that.
+    permission : called before the run with the seconds that it will take; it may raise Stopped.
 
-    def begin(self, simulation) -> None:
-        """Say what it will cost, and estimate the whole in simulated seconds."""
+    """
+
+    def __init__(self, console: Console | None = None, permission: Callable[[float], None] | None = None):
+        self.console, self.permission = console or Console(stderr=not sys.stdout.isatty()), permission
+
+    def prepare(self, simulation) -> None:
+        """Say what it will cost, and ask for permission."""
         self._print(simulation.model.about_averaging, highlight=False, soft_wrap=True)
-        self._start(simulation)
         if not runtime.is_cpu():
             self._print(f"Steps run on {runtime.device()}.", highlight=False, soft_wrap=True)
         cost = predict(simulation)
-        seconds = cost.core_seconds / runtime.threads()
-        self._print(
-            f"{cost.points:,} points, about {cost.steps:,} steps: some {_clock(seconds)} minutes of stepping",
-            highlight=False, soft_wrap=True,
-        )  # fmt: skip
+        self._print(cost.words(), highlight=False, soft_wrap=True)
+        if self.permission is not None:
+            self.permission(cost.seconds)
+
+    def begin(self, simulation) -> None:
+        """Estimate the whole in simulated seconds."""
+        self._start(simulation)
         self._show_bar()
 
     def restore(self, simulation, kept: dict) -> None:
@@ -48,7 +58,7 @@ class ProgressLine(Observer):
         self.simulation, self.told = simulation, 0
         self.total = simulation.model.filling_time + 5.0 * simulation.model.period + simulation.model.flow_time
         self.done = min(simulation.time / self.total, 1.0)  # before this process
-        self.printed, self.text = self.done, ""
+        self.printed, self.text, self.spoke = self.done, "", False
         self.forces: tuple[float, ...] | None = None
         self.bar: Progress | None = None
         self._warn()
@@ -74,13 +84,13 @@ class ProgressLine(Observer):
         p, t, n = (force / 1e3 for force in self.forces)
         text = (
             f"{record.stage:7s} t = {record.time_s:7.3f} s  u = {1e3 * record.displacement_m:6.2f} mm  "
-            f"{_clock(left)} left  P {p:.3f}  T {t:.3f}  N {n:.3f} kN/m"
+            f"{clock(left)} left  P {p:.3f}  T {t:.3f}  N {n:.3f} kN/m"
         )
         self.text = text
         if self.bar is not None:
             self.bar.update(self.task, completed=part, description=text)
-        elif part >= self.printed + LINE_EVERY:
-            self.printed = part
+        elif part >= self.printed + LINE_EVERY or (not self.spoke and time.monotonic() > self.begun + SOON_S):
+            self.printed, self.spoke = part, True
             self._print(f"{100 * part:5.1f} %  {text}", highlight=False, soft_wrap=True)
 
     def _print(self, words: str, **how) -> None:
@@ -100,8 +110,3 @@ class ProgressLine(Observer):
             self.bar.stop()
         elif self.text:
             self._print(f"   end   {self.text}", highlight=False, soft_wrap=True)
-
-
-def _clock(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes:d}:{rest:02d}"

@@ -12,22 +12,20 @@ import pandas as pd
 
 from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.void_ratio_zones import interior_zone_count, wall_zone_thickness_m
-from taichi_silo.analysis.measure.wall_pressure import CORNER_M, cell_mean, clear_of_corner
-from taichi_silo.analysis.theory.janssen import pressure_ratio_from_normal_force
-from taichi_silo.mpm.laws.gudehus_bauer import rest_pressure_ratio
+from taichi_silo.analysis.measure.wall_pressure import cell_mean, clear_of_corner
 from taichi_silo.runs.certificate import certificate
 from taichi_silo.runs.flow_findings import flow_findings
+from taichi_silo.runs.janssen_findings import janssen_findings
 from taichi_silo.runs.method_choices import parts
 from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.observers.forces import rows_of
 from taichi_silo.runs.observers.wall_profiles import WallProfiles
 from taichi_silo.runs.result import at_rest, residual
-from taichi_silo.runs.theories import janssen_of, theory_of
+from taichi_silo.runs.theories import theory_of
 from taichi_silo.utils import atomic_write
 
 MEASURED = (0.9, 1.0)  # of the flow: between which its pattern is measured
 EARLY = 0.15  # of the sand: free outflow is measured until so much has left
-PROFILE_BAND = (0.2, 0.8)  # of the height: where the pressure ratio is measured, away from surface and corner
 
 
 class Summary(Observer):
@@ -198,51 +196,21 @@ class Summary(Observer):
         return found
 
     def _janssen(self, filling: dict) -> dict:
-        """Theory at the law's own K0 and at the K measured in the sand, beside the forces after filling."""
-        scene, points = self.simulation.scene, self.after_filling
-        ratio = measured_pressure_ratio(points, scene, self.simulation.model.spacing)
-        angle = scene.walls.friction_angle_deg
-        if scene.walls.kind == "very-rough":
-            angle = filling["wall_friction_angle_deg"]
-        found = {
-            "wall_friction_angle_deg": angle,
-            "pressure_ratio_K0": rest_pressure_ratio(scene.sand.skeleton(), scene.sand.void_ratio),
-            "pressure_ratio_measured": ratio,
-        }
-        density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
-        straight = scene.silo.height_m - scene.silo.transition_m
-        if straight <= 0.0:  # inclined walls up to the surface
-            return found
-        try:
-            found["pressure_ratio_fitted"] = float(
-                pressure_ratio_from_normal_force(
-                    filling["normal_N_per_m"], scene.silo.width_m, straight, density, angle, scene.silo.section
-                )
-            )
-        except ValueError:  # no pressure ratio gives this force: a wall without contact, or a fill that hangs
-            found["pressure_ratio_fitted"] = None
-        for key in ("K0", "measured"):
-            if not (found[f"pressure_ratio_{key}"] > 0.0 and 0.0 <= angle < 90.0):
-                continue
-            theory = janssen_of(scene, angle, found[f"pressure_ratio_{key}"])
-            forces = {"normal_N_per_m": theory.normal_force_N_per_m, "shear_N_per_m": theory.shear_force_N_per_m}
-            if not scene.silo.transition_m:  # of a round silo two metres of girth are counted
-                forces["bottom_N_per_m"] = theory.bottom_force_N_per_m * (2 if scene.silo.section == "round" else 1)
-            for name, value in forces.items():
-                found[f"{name}_{key}"] = float(value)
-                found[f"{name}_{key}_relative_difference"] = float(filling[name] / value - 1.0)
-        return found
+        scene = self.simulation.scene
+        above = self.profiles.after_filling_above(scene.silo.transition_m)
+        return janssen_findings(scene, filling, self.after_filling, above)
 
     def _wall_stresses(self) -> dict:
         """Of each state, away from the corner: at one node, and as a pressure cell reads it."""
-        walls, found = pd.read_csv(self.profiles.file.absolute()), {}
+        walls, found, reading = pd.read_csv(self.profiles.file.absolute()), {}, self.profiles.reading
         for state, rows in walls[walls.wall.isin(["left", "right"])].groupby("state"):
             node, cell = 0.0, 0.0
             for _, wall in rows.groupby("wall"):
                 height, stress = wall.height_m.to_numpy(), wall.normal_stress_Pa.to_numpy()
-                inside = height > height[0] + CORNER_M
+                inside = height > height[0] + reading.corner_m
                 node = max(node, float(stress[inside].max(initial=0.0)))
-                cell = max(cell, float(cell_mean(height, stress)[clear_of_corner(height)].max(initial=0.0)))
+                clear = clear_of_corner(height, reading)
+                cell = max(cell, float(cell_mean(height, stress, reading.cell_m)[clear].max(initial=0.0)))
             found[state] = {"node": node, "pressure_cell": cell}
         return found
 
@@ -284,19 +252,3 @@ def _without_nan(value):
 
 def _means(rows: pd.DataFrame) -> dict:
     return {name: float(rows[column].mean()) for name, column in NAMES.items()}
-
-
-def measured_pressure_ratio(points: dict, scene, spacing_m: float) -> float:
-    """K: mean horizontal stress of the points next to the walls over the mean vertical stress in the same band."""
-    x, y = points["position"].T
-    horizontal, vertical = -points["stress"][:, 0], -points["stress"][:, 1]
-    low, high = (share * scene.silo.height_m for share in PROFILE_BAND)
-    low = max(low, scene.silo.transition_m)
-    band = (y > low) & (y < high)
-    wall = band & ((x < spacing_m) | (x > scene.silo.width_m - spacing_m))
-    if not wall.any():
-        return float("nan")
-    weights = points["volume"][band]
-    if scene.silo.section == "round":  # volumes are per metre of the point's own girth
-        weights = weights * np.abs(x[band] - 0.5 * scene.silo.width_m)
-    return float(horizontal[wall].mean() / np.average(vertical[band], weights=weights))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from taichi_silo.analysis.measure.overpressure import largest_overpressure
-from taichi_silo.analysis.measure.wall_pressure import cell_mean, clear_of_corner
+from taichi_silo.analysis.measure.wall_pressure import Reading, cell_mean, clear_of_corner
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.runs.observers import Observer
 from taichi_silo.simulation.wall_forces import LEFT, RIGHT, normal_and_shear
@@ -31,7 +31,8 @@ class WallProfiles(Observer):
 
     def begin(self, simulation) -> None:
         """Start with no state."""
-        self.simulation = simulation
+        self.simulation, silo = simulation, simulation.scene.silo
+        self.reading = Reading.of(silo.width_m, silo.height_m)
         self.period = simulation.scene.output.records_per_period
         self.full = BLOCK_PERIODS * self.period
         self.states: dict[str, tuple[float, float, np.ndarray]] = {}  # state: how far the grid sank, u, profile
@@ -122,6 +123,17 @@ class WallProfiles(Observer):
                 for place, n, t in zip(*surface_stress(self.simulation, number, walls[name]), strict=True):
                     writer.writerow([state, name, f"{place:.6g}", f"{n:.6g}", f"{t:.6g}"])
 
+    def after_filling_above(self, height_m: float) -> dict[str, tuple[float, float]]:
+        """Normal and shear force after filling of the left and the right wall above a height [N/m]."""
+        h, rows = self.simulation.scene.grid.cell_size_m, self.simulation.model.grid.rows
+        place = (np.arange(rows) - MARGIN) * h
+        share = np.clip((place + 0.5 * h - height_m) / h, 0.0, 1.0)  # of what a node stands for, that lies above
+        profile, found = self.states["filling"][2], {}
+        for name, row in SIDES.items():
+            normal, shear = normal_and_shear(name, share @ profile[row, :rows])
+            found[name] = float(normal), float(shear)
+        return found
+
     def overpressure(self) -> dict:
         """The largest normal stress on a wall over that after filling, as a pressure cell reads it; empty if none."""
         if not self.history or "filling" not in self.states:
@@ -138,6 +150,7 @@ class WallProfiles(Observer):
             np.array([time for time, *_ in self.history]), height[above],
             np.stack([normal(profile)[:, above] for *_, profile in self.history]),
             normal(self.states["filling"][2])[:, above], np.array([u for _, _, u, _ in self.history]),
+            self.reading,
         )  # fmt: skip
         if found.wall < 0:
             return {}
@@ -165,8 +178,8 @@ class WallProfiles(Observer):
                 height, stress = wall_stress(profile[row, :rows], scene.grid.cell_size_m, closed=False)
                 above = height >= scene.silo.transition_m - 1e-9
                 height, stress = height[above], normal_and_shear(name, stress[above])[0]
-                read = cell_mean(height, stress)
-                clear = np.flatnonzero(clear_of_corner(height))
+                read = cell_mean(height, stress, self.reading.cell_m)
+                clear = np.flatnonzero(clear_of_corner(height, self.reading))
                 if not len(clear):  # hardly any vertical wall above a hopper
                     continue
                 k = clear[np.argmax(read[clear])]

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from taichi_silo.runs.result import Result, residual
-from taichi_silo.show.figures.forces import FORCES, running_median, x_axis
+from taichi_silo.show.figures.forces import FORCES, displacement_unit, running_median, x_axis
 from taichi_silo.show.figures.style import COLORS, new_figure, start_at_zero
 
 OTHERS = "#B0B0B0"
@@ -23,7 +23,7 @@ def batch_figure(runs: list[Result]) -> Figure | None:
     panels = figure.subplots(1, 3)
     for (name, label), panel in zip(FORCES.items(), panels, strict=True):
         for run in sorted(runs, key=lambda run: run.label in chosen):
-            x = 1e3 * run.flow["displacement_m"]
+            x = displacement_unit(runs)[1] * run.flow["displacement_m"]
             coloured = run.label in chosen
             panel.plot(
                 x, running_median(x, run.flow[name] / 1e3), color=chosen.get(run.label, OTHERS),

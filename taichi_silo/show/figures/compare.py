@@ -11,11 +11,12 @@ from matplotlib.ticker import MaxNLocator
 
 from taichi_silo.runs.result import Result
 from taichi_silo.show.figures import draw_all
-from taichi_silo.show.figures.forces import ANGLE, FORCES, curve
+from taichi_silo.show.figures.forces import ANGLE, FORCES, curve, displacement_unit
 from taichi_silo.show.figures.style import COLORS, REFERENCE, new_figure, start_at_zero
 from taichi_silo.show.figures.wall_stress import STATES, STRESSES
 from taichi_silo.show.report.states import FORCES as KEYS
-from taichi_silo.show.report.states import wall_profile
+from taichi_silo.show.report.states import reading_of, wall_profile
+from taichi_silo.show.report.words import length_unit, mm
 from taichi_silo.show.theory import janssen, pressure_ratios, wall_angle_deg
 
 LINES = ("-", (0, (5, 1.5)), (0, (1, 1)))  # from the eighth run on colours come again with another line
@@ -47,7 +48,9 @@ def forces_figure(runs: list[Result], measured: list, with_janssen: bool) -> Fig
     place = curves[0].place if curves else "time_s" if any(run.free for run in runs) else "displacement_m"
     time = place == "time_s"
     figure = new_figure(12.5, 8.6 + 0.26 * len(runs))
-    panels, scale, last = dict(zip(LABELS, figure.subplots(2, 2).ravel(), strict=True)), 1.0 if time else 1e3, 0.0
+    panels, scale, last = dict(zip(LABELS, figure.subplots(2, 2).ravel(), strict=True)), 1.0, 0.0
+    unit_of_u, per_m = displacement_unit(runs)
+    scale = scale if time else per_m
     for name, panel in panels.items():
         unit = 1.0 if name == "angle" else 1e-3
         for number, run in enumerate(runs):
@@ -65,7 +68,9 @@ def forces_figure(runs: list[Result], measured: list, with_janssen: bool) -> Fig
                     label = f"{one.name}, {side} wall" if side else one.name
                     _points(panel, scale * places, unit * values, label, MARKS.get(side, "o"))
         panel.set_ylabel(LABELS[name])
-        panel.set_xlabel("time since the outflow began (s)" if time else "displacement u of bottom or gate (mm)")
+        panel.set_xlabel(
+            "time since the outflow began (s)" if time else f"displacement u of bottom or gate ({unit_of_u})"
+        )
         panel.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
         panel.set_xlim(0.0, last or None)
         start_at_zero([panel], "y")
@@ -88,6 +93,8 @@ def walls_figure(runs: list[Result], measured: list, with_janssen: bool) -> Figu
         return None
     figure = new_figure(1.5 + 4.0 * len(states), 9.6 + 0.26 * len(runs))
     panels = figure.subplots(2, len(states), squeeze=False, sharey=True, sharex="row")
+    highest = max(run.scene.silo.height_m for run in runs)
+    unit, per_m = length_unit(highest)
     for row, (column, words) in zip(panels, STRESSES.items(), strict=True):
         for state, panel in zip(states, row, strict=True):
             for number, run in enumerate(runs):
@@ -95,23 +102,24 @@ def walls_figure(runs: list[Result], measured: list, with_janssen: bool) -> Figu
                 for wall in sides[run.label]:
                     heights, stresses = wall_profile(run, state, column, wall)
                     other = {"linestyle": "--", "label": None} if wall == "right" else {"label": run.label}
-                    panel.plot(1e-3 * stresses, 1e3 * heights, **(look | other))
+                    panel.plot(1e-3 * stresses, per_m * heights, **(look | other))
                 ratio = next(iter(pressure_ratios(run).values()))
                 if with_janssen and state == "filling" and (fill := janssen(run, ratio)) is not None:
                     depth = np.linspace(0.0, fill.height_m, 101)
                     law = fill.normal_stress_Pa if column == "normal_stress_Pa" else fill.shear_stress_Pa
                     heights = run.scene.silo.height_m - depth
-                    panel.plot(1e-3 * law(depth), 1e3 * heights, color=look["color"], **DOTTED)
+                    panel.plot(1e-3 * law(depth), per_m * heights, color=look["color"], **DOTTED)
             for name, wall, heights, stresses in _measured_profiles(measured, state, column):
                 label = name if wall == "both" else f"{name}, {wall}"
-                _points(panel, 1e-3 * stresses, 1e3 * heights, label, MARKS.get(wall, "o"))
+                _points(panel, 1e-3 * stresses, per_m * heights, label, MARKS.get(wall, "o"))
             panel.set_xlabel(words)
         start_at_zero(row, "x")
-        row[0].set_ylabel("height above the initial bottom (mm)")
+        row[0].set_ylabel(f"height above the initial bottom ({unit})")
     for state, panel in zip(states, panels[0], strict=True):
         panel.set_title(STATES[state][2])
-    panels[0, 0].set_ylim(top=1.05e3 * max(run.scene.silo.height_m for run in runs))
-    words = "as a pressure cell of 20 mm reads; mean of both walls"
+    panels[0, 0].set_ylim(top=1.05 * per_m * highest)
+    cells = " or ".join(dict.fromkeys(mm(reading_of(run).cell_m) for run in runs))
+    words = f"as a pressure cell of {cells} reads; mean of both walls"
     if any(run.lopsided for run in runs):
         words += "; outlet off the middle: left wall solid, right wall dashed"
     figure.suptitle(f"Wall stresses\n{words}{'; dotted: Janssen' if with_janssen else ''}")

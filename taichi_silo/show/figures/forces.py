@@ -8,6 +8,8 @@ from matplotlib.ticker import MaxNLocator
 from taichi_silo.runs.result import Result
 from taichi_silo.show import theory
 from taichi_silo.show.figures.style import BLUE, GREEN, REFERENCE, VERMILLION, new_figure, put_title, start_at_zero
+from taichi_silo.show.inclined_walls import inclined_walls
+from taichi_silo.show.report.words import length_unit
 from taichi_silo.show.titles import title
 
 SMOOTHING = 0.005  # window of the median lines, as a fraction of the whole displacement
@@ -31,25 +33,34 @@ def run_forces_figure(run: Result) -> Figure | None:
     figure = new_figure(11.0, 4.6)
     panels = dict(zip(FORCES, figure.subplots(1, 3), strict=True))
     for (name, panel), color in zip(panels.items(), (BLUE, VERMILLION, GREEN), strict=True):
-        draw_curve(panel, run, lambda rows, name=name: rows[name] / 1e3, color, "median", raw_label="every row")
-        if name != "P":
+        draw_curve(panel, run, lambda rows, name=name: _force(run, rows, name) / 1e3, color, "median", "every row")
+        if name != "P" and theory.straight_m(run):
             _each_wall(panel, run, name, color)
         if run.scene.walls.kind != "very-rough":
             janssen_line(panel, run, name)
         panel.set_ylabel(FORCES[name])
         x_axis(panel, [run])
         start_at_zero([panel], "y")
-    origin = "T, N: mean of both walls"
+    origin = "T, N: mean of both walls" if theory.straight_m(run) else "T, N: mean of the inclined walls"
     if run.filled is not None:
         origin += f"; weight W = {run.filled['weight_N_per_m'] / 1e3:.3g} kN/m"
-    put_title(figure, f"Forces per metre run: {title(run)}", origin)
+    put_title(
+        figure, f"Forces per metre {'of girth' if run.scene.silo.section == 'round' else 'run'}: {title(run)}", origin
+    )
     _legend_below(figure, max(panels.values(), key=lambda panel: len(panel.get_lines())), columns=6)
     return figure
 
 
+def _force(run: Result, rows, name: str):
+    """P, T or N of rows [N/m]; where no walls are vertical T and N of the inclined ones, if they are straight."""
+    if name != "P" and not theory.straight_m(run) and (walls := inclined_walls(run, rows)):
+        return sum(forces[name] for forces in walls.values()) / len(walls)
+    return rows[name]
+
+
 def run_angle_figure(run: Result) -> Figure | None:
     """Figure of the wall friction angle of one run, or None without data."""
-    if run.forces.empty:
+    if run.forces.empty or not theory.straight_m(run):
         return None
     figure = new_figure(7.5, 5.2)
     panel = figure.subplots()
@@ -70,10 +81,11 @@ def draw_curve(panel, run: Result, quantity, color, label, raw_label=None):
     """
     flowing = not run.flow.empty
     rows = run.flow if flowing else run.filling
-    x = 1e3 * rows["displacement_m"] if flowing else rows["time_s"]
+    unit, per_m = displacement_unit([run])
+    x = per_m * rows["displacement_m"] if flowing else rows["time_s"]
     y = pd.Series(quantity(rows), index=rows.index)
     panel.plot(x, y, color=color, alpha=0.35, linewidth=0.6, label=raw_label)
-    window = f" over {_window(x):.2g} {'mm' if flowing else 's'}" if raw_label else ""
+    window = f" over {_window(x):.2g} {unit if flowing else 's'}" if raw_label else ""
     panel.plot(x, running_median(x, y), color=color, label=f"{label}{window}")
     if run.filled is not None:
         panel.plot(
@@ -92,7 +104,7 @@ def _each_wall(panel, run: Result, name: str, color):
     walls = {wall: rows[f"{wall}_{part}_N_per_m"] / 1e3 for wall in ("left", "right")}
     if abs(walls["left"].mean() - walls["right"].mean()) < ASYMMETRY * abs(rows[name].mean() / 1e3):
         return
-    x = 1e3 * rows["displacement_m"]
+    x = displacement_unit([run])[1] * rows["displacement_m"]
     for (wall, y), line in zip(walls.items(), ("-.", ":"), strict=True):
         median = running_median(x, y)
         few = slice(None, None, 1 + len(x) // 200)  # dots and dashes need a line without jitter
@@ -150,6 +162,8 @@ def janssen_line(panel, run: Result, name: str):
     fill, silo = theory.janssen(run, ratio), run.scene.silo
     if fill is None or (name == "P" and silo.transition_m):  # it carries a floor, and there is none
         return
+    if name != "P" and silo.one_sided:  # the theory counts both walls above the higher foot; the report has each wall
+        return
     girths = 2 if silo.section == "round" else 1  # metres of girth that P is counted for
     value = {"P": girths * fill.bottom_force_N_per_m, "T": fill.shear_force_N_per_m, "N": fill.normal_force_N_per_m}[
         name
@@ -168,6 +182,11 @@ def _reference_line(panel, value: float, line: str, label: str):
     panel.axhline(value, color=REFERENCE, linestyle=line, linewidth=1.6, zorder=3.5, label=label)
 
 
+def displacement_unit(group) -> tuple[str, float]:
+    """Unit in which the displacements of runs are drawn, and how many of it make a metre."""
+    return length_unit(max((run.flow["displacement_m"].max() for run in group if not run.flow.empty), default=0.0))
+
+
 def x_axis(panel, group):
     """Label the axis that runs share: the bottom displacement, or the time while none of them has flowed."""
     if all(run.flow.empty for run in group):
@@ -176,9 +195,10 @@ def x_axis(panel, group):
     else:
         last = max(run.flow["displacement_m"].max() for run in group if not run.flow.empty)
         what = "bottom" if all(run.scene.silo.floor_is_outlet for run in group) else "outlet"
-        panel.set_xlabel(f"displacement u of the {what} (mm)")
+        unit, per_m = displacement_unit(group)
+        panel.set_xlabel(f"displacement u of the {what} ({unit})")
         if last > 0.0:
-            panel.set_xlim(0.0, 1e3 * last)
+            panel.set_xlim(0.0, per_m * last)
     panel.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
 
 

@@ -10,11 +10,13 @@ from matplotlib.patches import Polygon
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.snapshot import figured, shown_displacements
 from taichi_silo.show.figures.style import new_figure, put_title
+from taichi_silo.show.report.words import length_unit, mm
 from taichi_silo.show.titles import title
 
 OVERLAP = 1.15  # squares are drawn larger by this factor, so that stretched sand shows no gaps
 COLORS = "viridis"
 CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+EDGE = 0.004  # of the height, free around a large silo
 
 
 def chosen_snapshots(run: Result) -> list:
@@ -58,30 +60,31 @@ def run_void_ratio_figure(run: Result) -> Figure | None:
     if not rows:
         return None
     fields = [field_of(run, row["file"]) for row in rows]
-    norm, limits = color_range(fields), limits_of(fields)
+    unit, per_m = length_unit(run.scene.silo.height_m)
+    norm, limits = color_range(fields), limits_of(fields, per_m)
     height = 4.8
     few = len(rows) < 3
     width = 1.3 + len(rows) * (0.42 + max(height * aspect(limits), 1.2))
     figure = new_figure(max(width, 4.6), height + (1.9 if few else 1.35))
     panels = figure.subplots(1, len(rows), squeeze=False, sharey=True)[0]
     for panel, row, field in zip(panels, rows, fields, strict=True):
-        draw_field(panel, field, norm, limits, run.scene.silo.solids())
-        panel.set(xlabel="x (mm)", title=moment(row, run.flow.empty))
-    panels[0].set_ylabel("height (mm)")
+        draw_field(panel, field, norm, limits, run.scene.silo.solids(), per_m)
+        panel.set(xlabel=f"x ({unit})", title=moment(row, run.flow.empty))
+    panels[0].set_ylabel(f"height ({unit})")
     color_bar(figure, panels, norm)
     put_title(figure, *(f"Void ratio: {title(run)}".split(", ") if few else [f"Void ratio: {title(run)}"]))
     return figure
 
 
-def draw_field(panel, field, norm, limits, solids):
+def draw_field(panel, field, norm, limits, solids, per_m: float = 1e3):
     """Draw one square for each point, and what stands in the silo."""
     position, void_ratio, side = field
-    squares = 1e3 * (position[:, None, :] + OVERLAP * side[:, None, None] * CORNERS)
+    squares = per_m * (position[:, None, :] + OVERLAP * side[:, None, None] * CORNERS)
     squares[..., 0] = np.clip(squares[..., 0], *limits[0])  # the overlap must not reach over the walls
     cells = PolyCollection(squares, array=void_ratio, cmap=COLORS, norm=norm, antialiased=False, linewidth=0)
     panel.add_collection(cells)
     for outline in solids:
-        panel.add_patch(Polygon(1e3 * outline, facecolor="#404040", linewidth=0, zorder=2))
+        panel.add_patch(Polygon(per_m * outline, facecolor="#404040", linewidth=0, zorder=2))
     panel.set(xlim=limits[0], ylim=limits[1], aspect="equal", xticks=_ticks(limits[0]))
     panel.grid(False)
     panel.spines["right"].set_visible(True)
@@ -89,8 +92,9 @@ def draw_field(panel, field, norm, limits, solids):
 
 
 def _ticks(limits):
-    """Ticks at both walls and half-way, to 10 mm where there is room for it."""
-    low, high = np.round(limits, -1 if limits[1] - limits[0] > 50.0 else 0) + 0.0
+    """Ticks at both walls and half-way, to 10 mm where there is room for it, of narrow ones and in m as they are."""
+    wide = limits[1] - limits[0]
+    low, high = np.round(limits, -1 if wide > 50.0 else 0 if wide > 5.0 else 2) + 0.0
     return [low, (low + high) / 2.0, high]
 
 
@@ -98,7 +102,7 @@ def moment(row, still_filling: bool) -> str:
     """When a snapshot was taken."""
     if still_filling:
         return f"filling, t = {row['time_s']:.3g} s"
-    return f"u = {1e3 * row['displacement_m']:.3g} mm"
+    return f"u = {mm(row['displacement_m'], 3)}"
 
 
 def color_range(fields) -> Normalize:
@@ -109,11 +113,12 @@ def color_range(fields) -> Normalize:
     return Normalize(low, high)
 
 
-def limits_of(fields):
-    """Ends (low, high) of x and of height [mm] around all fields."""
+def limits_of(fields, per_m: float = 1e3):
+    """Ends (low, high) of x and of height around all fields, in units of which so many make a metre: mm, or m."""
     low = np.min([np.min(position - 0.5 * side[:, None], axis=0) for position, _, side in fields], axis=0)
     high = np.max([np.max(position + 0.5 * side[:, None], axis=0) for position, _, side in fields], axis=0)
-    return (1e3 * low[0], 1e3 * high[0]), (1e3 * low[1] - 2.0, 1e3 * high[1] + 2.0)
+    rim = 2.0 if per_m > 1.0 else EDGE * (high[1] - low[1])
+    return (per_m * low[0], per_m * high[0]), (per_m * low[1] - rim, per_m * high[1] + rim)
 
 
 def aspect(limits) -> float:

@@ -3,10 +3,12 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, HOPPER_CELL_M, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import cell_mean
 from taichi_silo.runs.result import Result
 from taichi_silo.show import theory
 from taichi_silo.show.figures.style import BLACK, BLUE, REFERENCE, VERMILLION, new_figure, put_title, start_at_zero
+from taichi_silo.show.report.states import reading_of
+from taichi_silo.show.report.words import length_unit, mm
 from taichi_silo.show.titles import title
 
 STATES = {  # colour, width (equal curves on top of each other both show), name
@@ -15,8 +17,6 @@ STATES = {  # colour, width (equal curves on top of each other both show), name
     "residual": (BLUE, 1.8, "residual"),
 }
 BOLD = min(width for _, width, _ in STATES.values())
-LEGEND = f"bold: mean of both walls, as a pressure cell of {1e3 * CELL_M:g} mm reads; light: each wall, node by node"
-LOPSIDED = f"bold: as a pressure cell of {1e3 * CELL_M:g} mm reads; outlet off the middle: left solid, right dashed"
 STRESSES = {"normal_stress_Pa": "wall normal stress (kPa)", "shear_stress_Pa": "wall shear stress (kPa)"}
 
 
@@ -31,11 +31,19 @@ def run_wall_stress_figure(run: Result) -> Figure | None:
         panel.set_xlabel(STRESSES[quantity])
         start_at_zero([panel], "x")
         fit_bold([panel])
-    panels[0].set_ylabel("height above the initial bottom (mm)")
+    panels[0].set_ylabel(f"height above the initial bottom ({length_unit(run.scene.silo.height_m)[0]})")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
-    put_title(figure, f"Wall stresses: {title(run)}", LOPSIDED if run.lopsided else LEGEND)
+    put_title(figure, f"Wall stresses: {title(run)}", legend(run))
     return figure
+
+
+def legend(run: Result) -> str:
+    """What the lines of a run's figure are."""
+    cell = mm(reading_of(run).cell_m)
+    if run.lopsided:
+        return f"bold: as a pressure cell of {cell} reads; outlet off the middle: left solid, right dashed"
+    return f"bold: mean of both walls, as a pressure cell of {cell} reads; light: each wall, node by node"
 
 
 def fit_bold(panels):
@@ -51,28 +59,30 @@ def has_profiles(run: Result) -> bool:
     return bool(run.walls["wall"].isin(["left", "right"]).any())
 
 
-def draw_stress(panel, run: Result, quantity: str, name_origin: bool = True):
-    """Draw one stress [kPa] against height [mm] for all states, with Janssen's theory."""
+def draw_stress(panel, run: Result, quantity: str, name_origin: bool = True, per_m: float | None = None):
+    """Draw one stress [kPa] against height, in units of which so many make a metre, with Janssen's theory."""
+    per_m = length_unit(run.scene.silo.height_m)[1] if per_m is None else per_m
+    reading = reading_of(run)
     lines = ("-", (0, (2, 1)) if run.lopsided else "-")
     for state, (color, width, label) in STATES.items():
         profiles = [run.profile(state, wall, quantity) for wall in ("left", "right")]
         profiles = [profile for profile in profiles if len(profile[0])]
         for height, stress in profiles:
-            panel.plot(stress / 1e3, 1e3 * height, color=color, alpha=0.35, linewidth=0.9)
+            panel.plot(stress / 1e3, per_m * height, color=color, alpha=0.35, linewidth=0.9)
         if profiles and not run.lopsided:
             height = profiles[0][0]
             profiles = [(height, np.mean([np.interp(height, *profile) for profile in profiles], axis=0))]
         hopper = [run.profile(state, wall, quantity) for wall in ("hopper_left", "hopper_right")]
-        for walls, cell_m, first in ((profiles, CELL_M, label), (hopper, HOPPER_CELL_M, None)):
+        for walls, cell_m, first in ((profiles, reading.cell_m, label), (hopper, reading.hopper_cell_m, None)):
             for (height, stress), line, name in zip(walls, lines, (first, None), strict=False):
                 read = cell_mean(height, stress, cell_m) / 1e3
-                panel.plot(read, 1e3 * height, color=color, linewidth=width, linestyle=line, label=name, zorder=3)
-    _draw_janssen(panel, run, quantity, name_origin)
-    _draw_code(panel, run, quantity)
-    panel.set_ylim(top=1.05e3 * run.scene.silo.height_m)  # nodes above the sand carry nothing
+                panel.plot(read, per_m * height, color=color, linewidth=width, linestyle=line, label=name, zorder=3)
+    _draw_janssen(panel, run, quantity, name_origin, per_m)
+    _draw_code(panel, run, quantity, per_m)
+    panel.set_ylim(top=1.05 * per_m * run.scene.silo.height_m)  # nodes above the sand carry nothing
 
 
-def _draw_janssen(panel, run: Result, quantity: str, name_origin: bool):
+def _draw_janssen(panel, run: Result, quantity: str, name_origin: bool, per_m: float):
     """Draw Janssen's stress for each stored pressure ratio."""
     for (origin, ratio), line in zip(theory.pressure_ratios(run).items(), ("--", ":"), strict=False):
         fill = theory.janssen(run, ratio)
@@ -83,13 +93,13 @@ def _draw_janssen(panel, run: Result, quantity: str, name_origin: bool):
         label = f"Janssen, {origin}"
         if name_origin:
             label += f" = {ratio:.2f}, $\\varphi_w$ = {fill.wall_friction_angle_deg:.3g}°"
-        place = 1e3 * (run.scene.silo.transition_m + height)
+        place = per_m * (run.scene.silo.transition_m + height)
         panel.plot(
             stress(fill.height_m - height) / 1e3, place, color=REFERENCE, linestyle=line, zorder=3.5, label=label
         )
 
 
-def _draw_code(panel, run: Result, quantity: str):
+def _draw_code(panel, run: Result, quantity: str, per_m: float):
     """Draw the stress on discharge after EN 1991-4, of the solid that the scene names."""
     code = theory.eurocode(run)
     if code is None:
@@ -97,6 +107,6 @@ def _draw_code(panel, run: Result, quantity: str):
     height, foot = np.linspace(0.0, code.height_m, 101), run.scene.silo.transition_m
     stress = code.discharge_normal_Pa if quantity == "normal_stress_Pa" else code.discharge_shear_Pa
     panel.plot(
-        stress(code.height_m - height) / 1e3, 1e3 * (foot + height), color=REFERENCE, linestyle="-.",
+        stress(code.height_m - height) / 1e3, per_m * (foot + height), color=REFERENCE, linestyle="-.",
         linewidth=1.0, zorder=3.4, label=f"EN 1991-4, discharge, its {code.solid.title}",
     )  # fmt: skip

@@ -15,6 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 from taichi_silo.runs.point_fields import Scale
 from taichi_silo.show.film.colour_bar import draw_scale
 from taichi_silo.show.film.strokes import blend, stroke
+from taichi_silo.show.report.words import length_unit
 
 SIZE = (1920, 1080)  # of the page as it is laid out; others are scaled, and stand in the middle of what is left white
 INK, GREY = (34, 34, 34), (105, 105, 105)
@@ -106,7 +107,7 @@ class Canvas:
         left = self.panel.left + columns + self._long(385)
         self.plot = Box(left, self._y(310), self._x(RIGHT) - left, self._long(670))
         self._value_font = font(36 * self.zoom, bold=True)
-        self.background = self._furniture(width_m, weight_N_per_m, scale, title)
+        self.background = self._furniture(width_m, height_m, weight_N_per_m, scale, title)
         self._bare_plot = self.background[self.plot.slices].copy()
         self._coverage = np.zeros((len(FORCES), self.plot.rows, self.plot.columns), np.float32)
         self._drawn: np.ndarray | None = None  # (3, 2) where each curve ends so far, pixels of the plot
@@ -125,7 +126,7 @@ class Canvas:
     def _y(self, place: float) -> int:
         return self.corner[1] + round(self.zoom * place)
 
-    def _furniture(self, width_m, weight, scale, title) -> np.ndarray:
+    def _furniture(self, width_m, height_m, weight, scale, title) -> np.ndarray:
         """Draw all that never changes; return the page (rows, columns, 3) of bytes."""
         panel, plot = self.panel, self.plot
         dots = 72 * self.zoom  # to the inch: one point of matplotlib is one pixel of the layout
@@ -136,9 +137,10 @@ class Canvas:
 
         silo = figure.add_axes(panel.fractions(self.size))
         bottom_m = self.top_m - panel.rows / self.pixels_per_metre
-        silo.set(xlim=(0, 1e3 * width_m), ylim=(1e3 * bottom_m, 1e3 * self.top_m), facecolor="#f3f3f3")
-        silo.set_xlabel("x (mm)", fontsize=28, color=ink)
-        silo.set_ylabel("y (mm)", fontsize=28, color=ink)
+        unit, per_m = length_unit(height_m)
+        silo.set(xlim=(0, per_m * width_m), ylim=(per_m * bottom_m, per_m * self.top_m), facecolor="#f3f3f3")
+        silo.set_xlabel(f"x ({unit})", fontsize=28, color=ink)
+        silo.set_ylabel(f"y ({unit})", fontsize=28, color=ink)
         wide = round(panel.columns / self.zoom)
         silo.xaxis.set_major_locator(MaxNLocator(min(4, 1 + wide // 100), steps=[1, 2, 5, 10]))
         silo.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))

@@ -8,6 +8,7 @@ from taichi_silo.errors import BadInput
 from taichi_silo.runs.film_states import FilmStates
 from taichi_silo.runs.observers.film_recorder import FRAMES
 from taichi_silo.runs.result import Result
+from taichi_silo.show.report.words import length_unit
 
 FILLING_SHARE = FRAMES["filling"] / sum(FRAMES.values())
 
@@ -77,7 +78,7 @@ def nearest(history: Result, progress: float) -> int:
     """
     places = np.array([history.progress(row) for row in history.snapshots.to_dict("records")])
     if not 0.0 <= progress <= places.max() * (1.0 + 1e-6) + 1e-9:
-        scale, unit = (1.0, "s") if history.free else (1e3, "mm")
+        unit, scale = ("s", 1.0) if history.free else length_unit(places.max())
         raise BadInput(f"frame is {scale * progress:g} {unit}; it must be from 0 to {scale * places.max():g} {unit}")
     distance = np.abs(places - progress)
     return int(np.flatnonzero(distance <= distance.min() + 1e-12)[-1])  # at 0 the state after filling

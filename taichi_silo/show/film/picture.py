@@ -7,6 +7,7 @@ from taichi_silo.scene.scene import Scene
 from taichi_silo.show.film.canvas import SIZE, Canvas, Course
 from taichi_silo.show.film.moments import Moment
 from taichi_silo.show.film.point_raster import SandRaster, levels
+from taichi_silo.show.report.words import length_unit
 
 
 class Picture:
@@ -59,9 +60,9 @@ def course_of(scene: Scene) -> Course:
     """What the curves of a scene are drawn against."""
     if scene.flow.outflow == "gravity":
         return Course(scene.flow.longest_s, "time since the outlet opened (s)", "open since", "s", 1.0)
-    if scene.silo.floor_is_outlet:
-        return Course(scene.flow.displacement_m)
-    return Course(scene.flow.displacement_m, "displacement u of the outlet (mm)")
+    unit, per_m = length_unit(scene.flow.displacement_m)
+    what = "bottom displacement u" if scene.silo.floor_is_outlet else "displacement u of the outlet"
+    return Course(scene.flow.displacement_m, f"{what} ({unit})", unit=unit, scale=per_m)
 
 
 def floors(silo) -> list[np.ndarray]:

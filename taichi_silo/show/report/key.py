@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, HOPPER_CELL_M
 from taichi_silo.runs.result import Result
 from taichi_silo.show.report.states import (
     STATES,
@@ -10,6 +9,7 @@ from taichi_silo.show.report.states import (
     forces_of,
     largest_hopper_stress,
     largest_of_all,
+    reading_of,
 )
 from taichi_silo.show.report.words import kN, kPa, mm, number, per_cent, plain, sentence
 
@@ -40,7 +40,7 @@ def _stress(run: Result) -> Card | None:
     when = STATES.get(largest.state) or f"in flow at u = {mm(largest.displacement_m, 3)}"
     words = (
         f"{largest.wall} wall, {mm(largest.height_m, 3)} above the {foot}, {when}; as a pressure "
-        f"cell of {mm(CELL_M)} reads it (one node: {kPa(largest.node_Pa)} kPa)"
+        f"cell of {mm(reading_of(run).cell_m)} reads it (one node: {kPa(largest.node_Pa)} kPa)"
     )
     name = "Largest pressure, vertical walls" if run.scene.silo.hopper else "Largest wall pressure"
     return Card(name, kPa(largest.stress_Pa), "kPa", sentence(words))
@@ -52,7 +52,7 @@ def _hopper(run: Result) -> Card | None:
         return None
     words = (
         f"{largest.wall.removeprefix('hopper_')} hopper wall, {mm(largest.height_m, 3)} above the outlet, "
-        f"{STATES[largest.state]}; mean over {mm(HOPPER_CELL_M)}"
+        f"{STATES[largest.state]}; mean over {mm(reading_of(run).hopper_cell_m)}"
     )
     flow = (run.summary.get("theory") or {}).get("walker_discharge")
     if flow:
@@ -68,6 +68,8 @@ def _forces(run: Result) -> list[Card]:
     cards = []
     for name, title in names.items():
         one = forces[name]
+        if name != "P" and not run.scene.silo.straight_m:  # no vertical walls; the table has the inclined ones
+            continue
         shown = next((value for value in (one.peak, one.filled) if value is not None), None)
         if shown is None:
             continue

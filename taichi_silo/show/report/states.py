@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from taichi_silo.analysis.measure.wall_pressure import CELL_M, CORNER_M, HOPPER_CELL_M, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import Reading, cell_mean
 from taichi_silo.runs.result import Result
 
 FORCES = {  # key of summary.json, which extreme is the peak
@@ -52,9 +52,10 @@ def forces_of(run: Result) -> dict[str, Force]:
     if not summary.get("filling") and not summary.get("residual"):
         return {name: Force(_value(run.filled, name), residual=_value(run.residual, name)) for name in FORCES}
     filling, peaks, last = (summary.get(key) or {} for key in ("filling", "peak", "residual"))
-    least = NOTHING * (summary.get("weight_N_per_m") or 0.0)
+    smallest = NOTHING * (summary.get("weight_N_per_m") or 0.0)
     found = {}
     for name, (key, extreme) in FORCES.items():
+        least = 0.0 if name == "angle" else smallest
         peak = peaks.get(f"{extreme}_{key}") or {}
         values = (filling.get(key), peak.get("value"), last.get(key))
         filled, most, end = (0.0 if value is not None and abs(value) < least else value for value in values)
@@ -73,12 +74,21 @@ def _value(row, name: str) -> float | None:
 
 def largest_wall_stress(run: Result, states: tuple[str, ...] = tuple(STATES)) -> Largest | None:
     """Largest normal stress on the vertical walls in the given states, away from the corner; None without profiles."""
-    return _largest(run, states, ("left", "right"), CELL_M, CORNER_M)
+    if not run.scene.silo.straight_m:
+        return None
+    reading = reading_of(run)
+    return _largest(run, states, ("left", "right"), reading.cell_m, reading.corner_m)
 
 
 def largest_hopper_stress(run: Result) -> Largest | None:
-    """Largest normal stress on the walls of a hopper, as a mean over 50 mm, which single rows of the grid ask for."""
-    return _largest(run, tuple(STATES), ("hopper_left", "hopper_right"), HOPPER_CELL_M, -HOPPER_CELL_M)
+    """Largest normal stress on the walls of a hopper, as a mean that single rows of the grid ask for."""
+    cell = reading_of(run).hopper_cell_m
+    return _largest(run, tuple(STATES), ("hopper_left", "hopper_right"), cell, -cell)
+
+
+def reading_of(run: Result) -> Reading:
+    """Lengths over which the wall stresses of a run are read."""
+    return Reading.of(run.scene.silo.width_m, run.scene.silo.height_m)
 
 
 def _largest(run: Result, states: tuple[str, ...], walls: tuple[str, ...], cell_m: float, out_m: float):
@@ -109,13 +119,14 @@ def wall_profile(
     run: Result, state: str, quantity: str = "normal_stress_Pa", wall: str = "both"
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rising heights [m] and stresses [Pa] along a wall (or the mean of "both") as a pressure cell reads them."""
+    cell = reading_of(run).cell_m
     if wall != "both":
         height, stress = run.profile(state, wall, quantity)
-        return height, cell_mean(height, stress)
+        return height, cell_mean(height, stress, cell)
     (height, left), right = (run.profile(state, side, quantity) for side in ("left", "right"))
     if not len(height) or not len(right[0]):
         return np.zeros(0), np.zeros(0)
-    return height, cell_mean(height, 0.5 * (left + np.interp(height, *right)))
+    return height, cell_mean(height, 0.5 * (left + np.interp(height, *right)), cell)
 
 
 def discharge_rate_kg_per_s_m(run: Result) -> float | None:

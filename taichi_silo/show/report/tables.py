@@ -4,13 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from taichi_silo.analysis.measure.wall_pressure import HOPPER_CELL_M, cell_mean
+from taichi_silo.analysis.measure.wall_pressure import cell_mean
 from taichi_silo.analysis.theory.walker import WalkerHopper
 from taichi_silo.runs.eurocode import whose_numbers
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.theories import hopper_of, janssen_of
-from taichi_silo.show.report.states import FORCES, STATES, Force, forces_of, wall_profile
-from taichi_silo.show.report.words import NONE, kN, kPa, mm, number, per_cent
+from taichi_silo.show.inclined_walls import inclined_walls
+from taichi_silo.show.report.states import FORCES, STATES, Force, forces_of, reading_of, wall_profile
+from taichi_silo.show.report.words import NONE, height_words, kN, kPa, length_unit, mm, number, per_cent
 from taichi_silo.show.theory import eurocode, janssen, pressure_ratios, straight_m
 
 HEIGHTS = (0.9, 0.75, 0.5, 0.25, 0.1)  # of the vertical walls, from the foot
@@ -20,6 +21,7 @@ TITLES = {
 }  # fmt: skip
 ORIGINS = {"K0": "K₀ of the law", "measured": "K in the sand"}
 WHEN = ("after filling", "in flow")
+ON_WALL = {"T": "T along it", "N": "N across it"}
 NAMES = {"K0 of the law": "K₀ of the law", "measured K": "K in the sand"}  # of `pressure_ratios`
 
 
@@ -37,9 +39,11 @@ def force_table(run: Result) -> ReportTable:
     forces, theory = forces_of(run), run.summary.get("janssen") or {}
     origins = [key for key in ORIGINS if f"normal_N_per_m_{key}" in theory]
     head = ["force", "after filling", *(f"Janssen, {ORIGINS[key]}" for key in origins), "peak in flow", "end of flow"]
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name, title in TITLES.items():
         one = forces[name]
+        if name != "P" and not straight_m(run):  # no vertical walls
+            continue
         told = [_theory(one, theory, name, key) for key in origins]
         show = (lambda value: number(value)) if name == "angle" else kN
         peak = show(one.peak) if one.peak is None else f"{show(one.peak)} at u = {mm(one.peak_m, 3)}"
@@ -48,6 +52,7 @@ def force_table(run: Result) -> ReportTable:
         sideways = run.scene.silo.section == "plane" and column.endswith("_horizontal_N_per_m")  # round: none in sum
         if sideways or column.endswith("_vertical_N_per_m"):
             rows.append(_of_body(run, column, len(origins)))
+    rows += [*_above_foot(theory, origins), *_inclined(run, len(origins))]
     return ReportTable(tuple(head), tuple(rows), _force_note(run, theory))
 
 
@@ -57,9 +62,38 @@ def _theory(one: Force, theory: dict, name: str, key: str) -> str:
     value = theory.get(f"{FORCES[name][0]}_{key}")
     if value is None:
         return NONE
-    if not one.filled:
+    if theory.get("walls") and name != "P":  # each wall has a row of its own
+        return NONE
+    if not one.filled or not value:
         return kN(value)
     return f"{kN(value)} (run {per_cent(one.filled / value - 1.0, signed=True)})"
+
+
+def _above_foot(theory: dict, origins: list[str]) -> list[tuple[str, ...]]:
+    """N and T after filling of each wall above the higher foot, beside Janssen, where walls are not alike."""
+    rows = []
+    for wall, forces in (theory.get("walls") or {}).items():
+        for name in ("T", "N"):
+            key = FORCES[name][0]
+            force = Force(filled=forces[key])
+            told = [_theory(force, {one: value for one, value in theory.items() if one != "walls"}, name, origin)
+                    for origin in origins]  # fmt: skip
+            title = f"{wall} wall above {mm(theory['above_m'])}, {name} (kN/m)"
+            rows.append((title, kN(forces[key]), *told, NONE, NONE))
+    return rows
+
+
+def _inclined(run: Result, gap: int) -> list[tuple[str, ...]]:
+    """N and T after filling and at the end of the straight inclined walls."""
+    states = [{} if rows is None else inclined_walls(run, rows) for rows in (run.filled, run.residual)]
+    sides = [side for side in ("left", "right") if any(side in state for state in states)]
+    rows = []
+    for side in sides:
+        words = "hopper" if run.scene.silo.section == "round" else f"hopper {side}"
+        for name in ("T", "N"):
+            filled, last = (kN(state[side][name]) if side in state else NONE for state in states)
+            rows.append((f"{words}, {ON_WALL[name]} (kN/m)", filled, *[NONE] * gap, NONE, last))
+    return rows
 
 
 def _of_body(run: Result, column: str, gap: int) -> tuple[str, ...]:
@@ -74,6 +108,8 @@ def _of_body(run: Result, column: str, gap: int) -> tuple[str, ...]:
 
 def _force_note(run: Result, theory: dict) -> str:
     words = "T and N are means of both walls; the peak of P is its least value."
+    if not straight_m(run):
+        words = "No walls are vertical, so there is no Janssen; the peak of P is its least value."
     if run.scene.silo.section == "round":
         words += " Forces of the round silo are per metre of girth; P and the weight count two such metres."
     ratios = [
@@ -81,7 +117,7 @@ def _force_note(run: Result, theory: dict) -> str:
         for key in ORIGINS
         if theory.get(f"pressure_ratio_{key}") is not None
     ]
-    if ratios:
+    if ratios and straight_m(run):
         angle = number(theory.get("wall_friction_angle_deg"))
         words += f" Janssen: wall friction {angle}°, {', '.join(ratios)} (in brackets: the run against it)."
     found = run.summary.get("theory") or {}
@@ -99,25 +135,33 @@ def _force_note(run: Result, theory: dict) -> str:
 def stress_table(run: Result) -> ReportTable | None:
     """Table of wall normal stresses at some heights, with Janssen and EN 1991-4; None without wall profiles."""
     sides, silo = ("left", "right") if run.lopsided else ("both",), run.scene.silo
-    if not len(wall_profile(run, "filling", wall=sides[0])[0]):
+    if not straight_m(run) or not len(wall_profile(run, "filling", wall=sides[0])[0]):
         return None
     heights = [silo.transition_m + share * straight_m(run) for share in HEIGHTS]
     laws = {origin: janssen(run, ratio) for origin, ratio in pressure_ratios(run).items()}
     theories = {f"Janssen, {NAMES.get(origin, origin)}": law for origin, law in laws.items() if law is not None}
     code = eurocode(run)
-    head = ["height (mm)", "after filling", *theories, *(["EN 1991-4, filling"] if code else [])]
+    unit, per_m = length_unit(silo.height_m)
+    head = [f"height ({unit})", "after filling", *theories, *(["EN 1991-4, filling"] if code else [])]
     head += ["in flow, N largest", "end of flow", *(["EN 1991-4, discharge"] if code else [])]
     rows = []
     for height in heights:
         depth = silo.height_m - height
         filling, maximum, residual = (_read(run, state, sides, height) for state in STATES)
-        row = [f"{1e3 * height:.0f}", filling, *(kPa(float(law.normal_stress_Pa(depth))) for law in theories.values())]
+        row = [
+            height_words(height, per_m),
+            filling,
+            *(kPa(float(law.normal_stress_Pa(depth))) for law in theories.values()),
+        ]
         row += [kPa(float(code.filling_normal_Pa(depth)))] if code else []
         row += [maximum, residual]
         row += [kPa(float(code.discharge_normal_Pa(depth)))] if code else []
         rows.append(tuple(row))
     where = "left / right wall" if run.lopsided else "mean of both walls"
-    note = f"Wall normal stress in kPa, as a pressure cell of 20 mm reads it, {where}; height above the initial bottom."
+    cell = mm(reading_of(run).cell_m)
+    note = (
+        f"Wall normal stress in kPa, as a pressure cell of {cell} reads it, {where}; height above the initial bottom."
+    )
     if code:
         values = code.values("wall pressure")
         note += (
@@ -145,14 +189,16 @@ def hopper_table(run: Result) -> ReportTable | None:
     if run.scene.silo.hopper is None or not len(run.profile("filling", "hopper_left")[0]):
         return None
     filled, flowing = _walker(run, "filling"), _walker(run, "discharge")
-    head = ("height (mm)", "after filling", "Walker, filling", "in flow, N largest", "end of flow", "Walker, flow")
+    unit, per_m = length_unit(run.scene.silo.height_m)
+    head = (f"height ({unit})", "after filling", "Walker, filling", "in flow, N largest", "end of flow", "Walker, flow")
     rows = []
     for share in HOPPER_HEIGHTS:
         height = share * run.scene.silo.transition_m
         filling, maximum, residual = (_on_hopper(run, state, height) for state in STATES)
         row = (filling, _by_walker(filled, height), maximum, residual, _by_walker(flowing, height))
-        rows.append((f"{1e3 * height:.0f}", *row))
-    note = f"Normal stress in kPa on the inclined walls, mean of both over {mm(HOPPER_CELL_M)}; height over the outlet."
+        rows.append((height_words(height, per_m), *row))
+    cell = reading_of(run).hopper_cell_m
+    note = f"Normal stress in kPa on the inclined walls, mean of both over {mm(cell)}; height over the outlet."
     limit = (run.summary.get("theory") or {}).get("walker_limit")
     return ReportTable(head, tuple(rows), note + (f" Walker's theory does not hold here: {limit}." if limit else ""))
 
@@ -162,7 +208,7 @@ def _on_hopper(run: Result, state: str, height_m: float) -> str:
     for wall in ("hopper_left", "hopper_right"):
         height, stress = run.profile(state, wall)
         if len(height) > 1:
-            values.append(np.interp(height_m, height, cell_mean(height, stress, HOPPER_CELL_M)))
+            values.append(np.interp(height_m, height, cell_mean(height, stress, reading_of(run).hopper_cell_m)))
     return kPa(float(np.mean(values))) if values else NONE
 
 

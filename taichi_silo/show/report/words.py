@@ -4,7 +4,7 @@ import math
 
 NONE = "–"
 RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-LARGE_M = 10.0  # from which lengths are read in m
+LARGE_M = 1.0  # from which lengths are read in m
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -54,11 +54,21 @@ def per_cent(share: float | None, signed: bool = False) -> str:
 
 
 def mm(length_m: float | None, digits: int = 4) -> str:
-    """A length in mm; of large silos in m."""
+    """A length in mm, or from 1 m on in m."""
     if length_m is None or not math.isfinite(length_m):
         return NONE
-    large = abs(length_m) >= LARGE_M
-    return f"{plain(length_m if large else 1e3 * length_m, digits)} {'m' if large else 'mm'}"
+    unit, per_m = length_unit(abs(length_m))
+    return f"{plain(per_m * length_m, digits)} {unit}"
+
+
+def length_unit(largest_m: float) -> tuple[str, float]:
+    """Unit in which lengths up to this are read, and how many of it make a metre."""
+    return ("m", 1.0) if largest_m >= LARGE_M * (1.0 - 5e-4) else ("mm", 1e3)
+
+
+def height_words(height_m: float, per_m: float) -> str:
+    """A height in a table, to the mm, or in m to the cm."""
+    return f"{per_m * height_m:.{0 if per_m > 1.0 else 2}f}"
 
 
 def kN(force_N: float | None) -> str:

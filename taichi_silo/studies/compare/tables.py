@@ -14,8 +14,10 @@ from taichi_silo.show.report.states import (
     discharge_rate_kg_per_s_m,
     forces_of,
     largest_wall_stress,
+    reading_of,
     wall_profile,
 )
+from taichi_silo.show.theory import filled_beside_janssen
 from taichi_silo.studies.compare.measured import Measured
 
 COLUMNS = ("quantity", "state", "unit", "run", "value", "first_value", "difference", "difference_percent")
@@ -87,7 +89,7 @@ def profile_difference(run: Result, first: Result, state: str) -> tuple[float, f
     (height, stress), other = wall_profile(first, state), wall_profile(run, state)
     if len(height) < 2 or len(other[0]) < 2:
         return None
-    clear = clear_of_corner(height) & (height >= other[0][0]) & (height <= other[0][-1])
+    clear = clear_of_corner(height, reading_of(first)) & (height >= other[0][0]) & (height <= other[0][-1])
     if not clear.any():
         return None
     difference = np.interp(height[clear], *other) - stress[clear]
@@ -105,7 +107,10 @@ def janssen(runs: list[Result]) -> pd.DataFrame:
                 expected = theory.get(f"{FORCES[name][0]}_{key}")
                 if expected is None:
                     continue
-                value, ratio = forces[name].filled, theory.get(f"pressure_ratio_{key}")
+                value, ratio = (
+                    filled_beside_janssen(theory, name, forces[name].filled),
+                    theory.get(f"pressure_ratio_{key}"),
+                )
                 rows.append((run.label, name, "N/m", ratio, origin, expected, value, *_against(value, expected)))
     return pd.DataFrame(rows, columns=list(JANSSEN), dtype=object)
 
