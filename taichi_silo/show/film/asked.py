@@ -5,7 +5,7 @@ from pathlib import Path
 
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.run_folder import no_link, writable
-from taichi_silo.show.film.encoder import FRAMES_PER_SECOND, KINDS
+from taichi_silo.show.film.encoder import FRAMES_PER_SECOND, KINDS, passing_name
 from taichi_silo.show.film.layout import LAYOUTS, SAND, SIZES
 from taichi_silo.show.film.look import COLOURS
 from taichi_silo.show.film.moments import Slow
@@ -134,7 +134,7 @@ def free(file: Path, overwrite: bool) -> Path:
     file = place(file, "output")
     if file.exists() and not overwrite:
         raise BadInput(f"output {file} is there already; give another name, or --overwrite to replace it")
-    no_link(file, file.with_name(f"{file.name}.part"), file.with_name(f"{file.stem}.part{file.suffix}"))
+    no_link(file, file.with_name(f"{file.name}.part"), passing_name(file))
     if file.exists() and file.is_dir() != (not file.suffix):
         raise BadInput(f"output {file} is {'a folder' if file.is_dir() else 'a file'}; give another name")
     if file.is_dir():

@@ -123,7 +123,7 @@ class Curves:
                 window, cover = stroke(frame.shape[:2], tip, tip, radius * layout.zoom)
                 blend(frame[window], cover, fill)
         order, room = np.argsort(tips[:, 1]), layout.long(30)
-        heights = apart(tips[order, 1], layout.long(36))
+        heights = apart(tips[order, 1], layout.long(36), plot.top + plot.rows - layout.long(14))
         left = round(tips[0, 0]) + layout.long(16)
         top = int(np.clip(heights[0] - room, 0, frame.shape[0] - 2 * room))
         strip = frame[top : min(frame.shape[0], int(heights[2]) + room), left : left + layout.long(50)]
@@ -136,11 +136,12 @@ class Curves:
         strip[...] = np.asarray(image)
 
 
-def apart(heights: np.ndarray, gap: float) -> np.ndarray:
-    """Three rising heights spread to both sides until they are a gap apart."""
+def apart(heights: np.ndarray, gap: float, lowest: float) -> np.ndarray:
+    """Three rows of a page, the topmost first, spread to both sides until they are a gap apart, and none too low."""
     found = heights.copy()
     found[1] = max(found[1], found[0] + gap)
     found[2] = max(found[2], found[1] + gap)
-    return found + np.mean(heights - found)
+    found += np.mean(heights - found)
+    return found - max(0.0, found[2] - lowest)
 
 

@@ -44,6 +44,7 @@ def encode(file: Path, frames: Iterable[np.ndarray], frames_per_second: int = FR
         with imageio.get_writer(
             passing, format="FFMPEG", mode="I", fps=frames_per_second, codec=codec, macro_block_size=2,
             pixelformat="pal8" if codec == "gif" else "yuv420p", quality=None, output_params=told.split(),
+            ffmpeg_log_level="error",
         ) as writer:  # fmt: skip
             for frame in frames:
                 _append(writer, frame, file)
@@ -60,11 +61,12 @@ def encode(file: Path, frames: Iterable[np.ndarray], frames_per_second: int = FR
 
 
 def passing_name(file: Path) -> Path:
-    """The name of a film that is not complete; its ending tells imageio what it is.
+    """The name of a film that is not complete; its ending lets imageio write it with ffmpeg, which it does no GIF.
 
     It is absolute: in a relative one, ffmpeg reads "run:1/..." as a protocol and "-run/..." as an option.
     """
-    return file.absolute().with_name(f"{file.stem}.part{file.suffix}")
+    ending = ".mp4" if file.suffix.lower() == ".gif" else file.suffix
+    return file.absolute().with_name(f"{file.stem}.part{ending}")
 
 
 def _append(writer, frame: np.ndarray, file: Path) -> None:

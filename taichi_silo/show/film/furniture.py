@@ -1,5 +1,6 @@
 """All of a page that never changes, as a figure of matplotlib: axes, colour bar, the line of the weight."""
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from taichi_silo.show.film.layout import WALL, Layout, View
 from taichi_silo.show.film.lettering import INK, fitting
 
 MISSING = (190, 190, 190)  # sand without a value
-WIDTH_OF_LABEL = 100  # of the ticks of the sand's x axis
+LINE = 34  # height of the label of a tick, with air
 
 
 class Furniture(NamedTuple):
@@ -66,12 +67,25 @@ def _sand(silo: Axes, layout: Layout, view: View, look: dict) -> None:
     silo.set_ylabel("y (mm)" if high > 110 else "", fontsize=28, color=ink)
     ticks = min(4, 1 + round(wide) // 100) if wide < 700 else 8
     silo.xaxis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
-    silo.yaxis.set_major_locator(MaxNLocator(6 if high > 250 else max(1, int(high / 45)), steps=[1, 2, 5, 10]))
+    silo.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+    if high < 250:  # as many as have room
+        low, top = silo.get_ylim()
+        places = [place for place in silo.get_yticks() if low <= place <= top]
+        every = math.ceil(LINE * (top - low) / (high * max(places[1] - places[0], 1e-9))) if len(places) > 1 else 1
+        silo.set_yticks(places[::every])
     for side in ("left", "bottom"):
         silo.spines[side].set_position(("outward", WALL))
     silo.tick_params(**look)
     if wide < 60:  # the labels of two ticks are wider than the silo
-        silo.set_xticks([1e3 * view.left, 1e3 * view.right], ["", f"{1e3 * view.right:.4g}"])
+        ends = 1e3 * view.left, 1e3 * view.right
+        for label, side in zip(_labelled(silo, ends), ("right", "left"), strict=True):
+            label.set_horizontalalignment(side)
+
+
+def _labelled(silo: Axes, ends: tuple[float, float]) -> list:
+    """The labels of ticks at both ends of the x axis."""
+    silo.set_xticks(ends, [f"{end:.4g}" for end in ends])
+    return silo.get_xticklabels()
 
 
 def _forces(forces: Axes, layout: Layout, weight, course: Course, top_force: float, note: str, look: dict) -> None:

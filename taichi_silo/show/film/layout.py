@@ -101,7 +101,7 @@ class _Page:
     def panel(self, columns: float, rows: float) -> tuple[int, int, float]:
         """Columns, rows and scale of the sand in so much room."""
         wanted = self.width_m * min(rows / self.depth_m, columns / self.width_m)
-        columns_px = max(1, min(self.long(wanted), int(self.at_most * self.width_m)))
+        columns_px = max(1, int(min(self.long(wanted), self.at_most * self.width_m)))
         scale = columns_px / self.width_m
         return columns_px, max(1, round(self.depth_m * scale)), scale
 

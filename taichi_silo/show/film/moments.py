@@ -20,11 +20,17 @@ class Moment(NamedTuple):
     stage: str
     progress: float  # on the course [m or s]
     down_m: float | None = None  # how far the bottom has sunk, where that is not the progress
+    clock_s: float | None = None  # time that is written, where that is not the run's own
 
     @property
     def sunk_m(self) -> float:
         """How far the bottom has sunk."""
         return self.progress if self.down_m is None else self.down_m
+
+    @property
+    def shown_s(self) -> float:
+        """Time that is written."""
+        return self.time_s if self.clock_s is None else self.clock_s
 
 
 class Slow(NamedTuple):

@@ -62,7 +62,7 @@ class Picture:
 
         """
         sand = self.sand(position, values, moment)
-        frame = self.canvas.page(moment.time_s, moment.stage, moment.progress)
+        frame = self.canvas.page(moment.shown_s, moment.stage, moment.progress)
         if self.look.transparent:
             frame = without_white(frame)
         frame[self.canvas.panel.slices] = sand

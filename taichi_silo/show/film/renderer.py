@@ -159,7 +159,7 @@ class Pair:
             start, end = side.history.flow_start_s, side.history.end_s
             own = min(max(start + moment.time_s, 0.0), end)
             stage = "flow" if own > start else "filling"
-            found.append(side.frame(Moment(own, stage, max(0.0, own - start), sunk(side.history, own))))
+            found.append(side.frame(Moment(own, stage, max(0.0, own - start), sunk(side.history, own), moment.time_s)))
         return np.concatenate(found, axis=0 if self.stacked else 1)
 
 
@@ -167,4 +167,4 @@ def halves(look: Look) -> tuple[bool, tuple[int, int]]:
     """Whether two pages are stacked on one of the look's size, and the size of each."""
     wide, high = look.page_size
     stacked = high > wide
-    return stacked, ((wide, high // 2 // 2 * 2) if stacked else (wide // 2 // 2 * 2, high))
+    return stacked, ((wide, high // 2) if stacked else (wide // 2, high))

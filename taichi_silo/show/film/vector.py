@@ -78,7 +78,7 @@ def _curves(forces: Axes, curves: Curves, scale: float) -> None:
         return
     plot, zoom, order = curves.plot, curves.layout.zoom, curves.tip[:, 1].argsort()
     across = forces.get_xlim()[1] * curves.tip[0, 0] / (plot.columns - 1)
-    heights = apart(curves.tip[order, 1].clip(0, plot.rows - 1), 36 * zoom)
+    heights = apart(curves.tip[order, 1].clip(0, plot.rows - 1), 36 * zoom, plot.rows - 14 * zoom)
     for height, k in zip(heights, order, strict=True):
         letter, _, colour = FORCES[k]
         own = 1e-3 * curves.top_force * (1.0 - curves.tip[k, 1] / (plot.rows - 1))
