@@ -142,6 +142,6 @@ def apart(heights: np.ndarray, gap: float, lowest: float) -> np.ndarray:
     found[1] = max(found[1], found[0] + gap)
     found[2] = max(found[2], found[1] + gap)
     found += np.mean(heights - found)
-    return found - max(0.0, found[2] - lowest)
+    return np.minimum(found, lowest - gap * np.array([2.0, 1.0, 0.0]))
 
 

@@ -7,7 +7,7 @@ from taichi_silo.runs.result import Result
 
 PERIODS = 2  # of the column, over which the median goes
 ENDS = (0.05, 0.95)  # quantiles at which the band ends
-NOISY = 0.1  # width of the band, as a share of the weight, from which on the median is shown
+NOISY = 0.03  # width of the band, as a share of the weight, from which on the median is shown
 NAMES = ["P", "T", "N"]
 NOTE = "lines: running median; bands: 5 to 95 %"
 
