@@ -15,6 +15,7 @@ from taichi_silo.show.titles import title
 OVERLAP = 1.15  # squares are drawn larger by this factor, so that stretched sand shows no gaps
 COLORS = "viridis"
 WIDEST_IN = 40.0  # of a figure: 6,000 pixels
+TWO_TICKS_IN, THREE_TICKS_IN = 0.35, 0.9  # length of an axis from which on so many labels have room
 PANEL_IN = 13.0  # width of the silo where the panels are one below the other
 CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
@@ -76,8 +77,11 @@ def run_void_ratio_figure(run: Result) -> Figure | None:
         draw_field(panel, field, norm, limits, run.scene.silo.solids())
         panel.set(xlabel="x (mm)", title=moment(row, run.flow.empty))
         if stacked:
-            panel.set_yticks(_ticks(limits[1])[:: 2 if deep > 0.5 else 3])
+            panel.set_yticks([0.0, round(1e3 * run.scene.silo.height_m)][: 2 if deep > TWO_TICKS_IN else 1])
             panel.label_outer()
+        elif height * aspect(limits) < THREE_TICKS_IN:
+            low, *_, high = _ticks(limits[0])
+            panel.set_xticks([low, high] if height * aspect(limits) > TWO_TICKS_IN else [high])
     if stacked:
         figure.supylabel("height (mm)", fontsize=12)
     else:

@@ -70,6 +70,7 @@ def need_look(layout: str | None, size: tuple | None, colours: str | None, title
 
 def need_size(size: tuple) -> None:
     """Check columns and rows."""
+    size = size if isinstance(size, tuple | list) else (size,)
     whole = len(size) == 2 and all(isinstance(value, int) and value % 2 == 0 for value in size)
     inside = whole and all(a <= b <= c for a, b, c in zip(SMALLEST, size, LARGEST, strict=True))
     if not (inside and size[0] * size[1] >= LEAST_PIXELS and size[0] * size[1] <= 7680 * 4320):
@@ -84,14 +85,13 @@ def need_limits(limits: tuple | None) -> None:
     if limits is not None:
         low, high = _numbers(limits, 2)
         if not (low < high and abs(low) < 1e30 and abs(high) < 1e30):
-            given = ",".join(map(str, limits))
-            raise BadInput(f"range is {given}; it must be LOW,HIGH: two numbers, the second above the first")
+            raise BadInput(f"range is {_said(limits)}; it must be LOW,HIGH: two numbers, the second above the first")
 
 
 def need_box(zoom_mm: tuple | None) -> None:
     """Check that a box has four numbers; whether it lies in the silo is checked when that is known."""
     if zoom_mm is not None and not all(map(math.isfinite, _numbers(zoom_mm, 4))):
-        raise BadInput(f"zoom is {','.join(map(str, zoom_mm))}; it must be LEFT,BOTTOM,RIGHT,TOP in mm: four numbers")
+        raise BadInput(f"zoom is {_said(zoom_mm)}; it must be LEFT,BOTTOM,RIGHT,TOP in mm: four numbers")
 
 
 def slow_of(slow: tuple | None, unit_in_si: float) -> Slow | None:
@@ -101,10 +101,17 @@ def slow_of(slow: tuple | None, unit_in_si: float) -> Slow | None:
     begin, end, times = _numbers(slow, 3)
     if not (0.0 <= begin < end < 1e9 and 1.0 < times <= MOST_SLOWLY):
         raise BadInput(
-            f"slow is {','.join(map(str, slow))}; it must be FROM,TO,TIMES: a part of the flow in mm (in free outflow, "
+            f"slow is {_said(slow)}; it must be FROM,TO,TIMES: a part of the flow in mm (in free outflow, "
             f"or of two runs, in s), and how many times slower, above 1 to {MOST_SLOWLY:g}"
         )
     return Slow(unit_in_si * begin, unit_in_si * end, times)
+
+
+def _said(values) -> str:
+    """Numbers or words as they were given."""
+    if not isinstance(values, tuple | list):
+        return str(values)
+    return ",".join(f"{value:g}" if isinstance(value, float | int) else str(value) for value in values)
 
 
 def _numbers(values, count: int) -> tuple[float, ...]:

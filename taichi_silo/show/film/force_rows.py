@@ -5,7 +5,7 @@ import pandas as pd
 
 from taichi_silo.runs.result import Result
 
-PERIODS = 2  # of the column, over which the median goes
+PERIODS, SHARE = 2, 0.05  # of the column, and of the rows of the flow, over which the median goes at least
 ENDS = (0.05, 0.95)  # quantiles at which the band ends
 NOISY = 0.03  # width of the band, as a share of the weight, from which on the median is shown
 NAMES = ["P", "T", "N"]
@@ -33,7 +33,8 @@ class ForceRows:
         flow = np.flatnonzero(table["stage"] == "flow")
         if not len(flow):
             return
-        median, spread = running(self.forces[flow], PERIODS * history.scene.output.records_per_period)
+        window = max(PERIODS * history.scene.output.records_per_period, round(SHARE * len(flow)))
+        median, spread = running(self.forces[flow], window)
         weight = history.scene.weight_N_per_m
         if np.nanmedian((spread[..., 1] - spread[..., 0]).max(axis=1)) <= NOISY * weight:
             return
