@@ -86,7 +86,7 @@ class Curves:
             self.drawn, self.spread = self.tip.copy(), edges
             return
         for k in np.flatnonzero(np.hypot(*(self.tip - self.drawn).T) >= 1.0):
-            self._extend(k, edges)
+            self._extend(int(k), edges)
 
     def _row(self, forces: np.ndarray) -> np.ndarray:
         """Rows of the plot; far outside the axes a curve runs along just beyond their edge."""
@@ -132,7 +132,9 @@ class Curves:
         letters = font(36 * layout.zoom, bold=True)
         for height, k in zip(heights, order, strict=True):
             where = (layout.long(4), height - top)
-            draw.text(where, FORCES[k][0], FORCES[k][2], letters, "lm", stroke_width=layout.long(3), stroke_fill="white")
+            draw.text(
+                where, FORCES[k][0], FORCES[k][2], letters, "lm", stroke_width=layout.long(3), stroke_fill="white"
+            )
         strip[...] = np.asarray(image)
 
 
@@ -143,5 +145,3 @@ def apart(heights: np.ndarray, gap: float, lowest: float) -> np.ndarray:
     found[2] = max(found[2], found[1] + gap)
     found += np.mean(heights - found)
     return np.minimum(found, lowest - gap * np.array([2.0, 1.0, 0.0]))
-
-

@@ -30,7 +30,8 @@ KINDS = {
 def encode(file: Path, frames: Iterable[np.ndarray], frames_per_second: int = FRAMES_PER_SECOND) -> int:
     """Encode frames (rows, columns, 3) of bytes, even numbers of rows and columns; returns how many there were.
 
-    The ending of the file, one of `KINDS`, says what film it is. The film is there when it is complete, or not at all; without frames there is none.
+    The ending of the file, one of `KINDS`, says what film it is. The film is there when it is complete, or not at all;
+    without frames there is none.
 
     Raises
     ------

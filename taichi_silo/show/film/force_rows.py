@@ -51,7 +51,10 @@ def running(forces: np.ndarray, window: int) -> tuple[np.ndarray, np.ndarray]:
     rolled = pd.DataFrame(forces).rolling(2 * half + 1, center=True, min_periods=1)
     parts = [part.to_numpy(copy=True) for part in (rolled.median(), *(rolled.quantile(end) for end in ENDS))]
     for row in range(half):
-        for at, those in ((row, slice(0, 2 * row + 1)), (len(forces) - 1 - row, slice(len(forces) - 1 - 2 * row, None))):
+        for at, those in (
+            (row, slice(0, 2 * row + 1)),
+            (len(forces) - 1 - row, slice(len(forces) - 1 - 2 * row, None)),
+        ):
             parts[0][at] = np.nanmedian(forces[those], axis=0)
             parts[1][at], parts[2][at] = np.nanquantile(forces[those], ENDS, axis=0)
     return parts[0], np.stack(parts[1:], axis=2)

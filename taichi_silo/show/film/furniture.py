@@ -112,7 +112,5 @@ def _forces(forces: Axes, layout: Layout, weight, course: Course, top_force: flo
     )
     if note:
         size = min(fitting(note, 26, zoom, 0.97 * plot.columns), 0.07 * high)
-        forces.text(
-            0.985, 1.0, note, transform=forces.transAxes, fontsize=size, color="#555555", ha="right", va="top"
-        )
+        forces.text(0.985, 1.0, note, transform=forces.transAxes, fontsize=size, color="#555555", ha="right", va="top")
     forces.tick_params(**look)

@@ -117,16 +117,16 @@ def render(
         wanted = Path(file) if file is not None else runs[0].folder / _name(field, frame, by_time, transparent)
         asked.need_kind(wanted, frame, transparent, beside is not None)
         if frame is None:
-            fps = asked.rate(fps, wanted)
-            shown = moments_of(runs, field, seconds, speed, slowly, fps)
+            every = asked.rate(fps, wanted)
+            shown = moments_of(runs, field, seconds, speed, slowly, every)
         number = moments.nearest(runs[0], frame * (1.0 if by_time else 1e-3)) if frame is not None and not beside else 0
     wanted = asked.free(wanted, overwrite)
     runtime.init("cpu", min(2, cores()))
     try:
         with as_left(runs[0].folder):
             if frame is None:
-                drawn = films.film(runs[0], wanted, tracked(shown), look, fps, *runs[1:])
-                return Drawn(wanted, drawn.size, drawn.scale, len(shown), len(shown) / fps)
+                drawn = films.film(runs[0], wanted, tracked(shown), look, every, *runs[1:])
+                return Drawn(wanted, drawn.size, drawn.scale, len(shown), len(shown) / every)
             if beside is not None:
                 pair = films.still_of_two((runs[0], runs[1]), wanted, frame, look)
                 return Drawn(wanted, pair.size, pair.scale)

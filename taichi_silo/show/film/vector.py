@@ -67,9 +67,9 @@ def _words(canvas: Canvas, moment: Moment) -> None:
 
 def _curves(forces: Axes, curves: Curves, scale: float) -> None:
     places = [scale * place for place, _, _ in curves.rows]
-    spread = [band for _, _, band in curves.rows]
+    spread = [band for _, _, band in curves.rows if band is not None]
     for k, (_, _, colour) in enumerate(FORCES):
-        if places and spread[0] is not None:
+        if spread:
             low, high = ([1e-3 * band[k, end] for band in spread] for end in (0, 1))
             forces.fill_between(places, low, high, color=_shade(colour), alpha=LIGHT, linewidth=0)
         values = [1e-3 * row[k] for _, row, _ in curves.rows]
