@@ -55,6 +55,7 @@ def running(forces: np.ndarray, window: int) -> tuple[np.ndarray, np.ndarray]:
             (row, slice(0, 2 * row + 1)),
             (len(forces) - 1 - row, slice(len(forces) - 1 - 2 * row, None)),
         ):
-            parts[0][at] = np.nanmedian(forces[those], axis=0)
-            parts[1][at], parts[2][at] = np.nanquantile(forces[those], ENDS, axis=0)
+            rows = pd.DataFrame(forces[those])  # which leaves out what is no number
+            parts[0][at] = rows.median()
+            parts[1][at], parts[2][at] = rows.quantile(list(ENDS)).to_numpy()
     return parts[0], np.stack(parts[1:], axis=2)
