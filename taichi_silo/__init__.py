@@ -32,6 +32,7 @@ HOME = {  # of the public names; each is imported when it is first used, which k
     "scene.sand": ("IntergranularStrain", "Sand"),
     "simulation.simulation": ("Simulation",),
     "studies.converge.study": ("converge",),
+    "show.film.render": ("render",),
     "scene.silo": ("Hopper", "Insert", "Outlet", "Silo"),
 }
 _MODULES = {name: module for module, names in HOME.items() for name in names}

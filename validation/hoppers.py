@@ -24,7 +24,8 @@ from taichi_silo.scene.scene import Flow, Machine, Mesh, Sand, Scene
 from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
 from taichi_silo.show.figures.style import STYLE
 from taichi_silo.show.figures.wall_stress import run_wall_stress_figure
-from taichi_silo.show.film.renderer import Look, still
+from taichi_silo.show.film.films import still
+from taichi_silo.show.film.look import Look
 from taichi_silo.studies.run_all import run_all
 from taichi_silo.studies.sweep.runs import Run
 

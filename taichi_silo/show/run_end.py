@@ -16,12 +16,14 @@ def draw_film(folder: Path) -> str | None:
     if not (folder / film_states.NAME).exists():
         return None
     try:
-        from taichi_silo.show.film import moments, renderer
+        from taichi_silo.show.film import films, moments
+        from taichi_silo.show.film.look import Look
+        from taichi_silo.show.film.renderer import states_of
 
         history = Result(folder).need_states()
-        states = renderer.states_of(history, "void_ratio")
+        states = states_of(history, "void_ratio")
         if states is not None:
-            renderer.film(history, folder / FILM, moments.kept(history, states), renderer.Look())
+            films.film(history, folder / FILM, moments.kept(history, states), Look())
         return None
     except (ImportError, FilmError, BadInput) as error:
         (folder / FILM).unlink(missing_ok=True)  # one of an earlier stop, which ends there

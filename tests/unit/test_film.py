@@ -5,11 +5,13 @@ import pytest
 
 from taichi_silo.mpm.language import ti
 from taichi_silo.runs.point_fields import Scale
-from taichi_silo.show.film.canvas import BACKGROUND, Canvas, Course
+from taichi_silo.show.film.canvas import Canvas
+from taichi_silo.show.film.curves import Course
 from taichi_silo.show.film.encoder import encode
+from taichi_silo.show.film.layout import SIZE, View, layout
 from taichi_silo.show.film.moments import Moment
 from taichi_silo.show.film.picture import Picture, course_of
-from taichi_silo.show.film.point_raster import COLOURS, SandRaster
+from taichi_silo.show.film.point_raster import BACKGROUND, COLOURS, SandRaster
 from tests import made_up
 
 WIDTH, HEIGHT, DISPLACEMENT, SPACING, WEIGHT = 0.2, 0.5, 0.02, 0.005, 1625.0
@@ -121,7 +123,8 @@ def test_film_without_frames_leaves_nothing(tmp_path):
 
 
 def test_curves_start_with_the_flow_and_do_not_run_back():
-    canvas = Canvas(WIDTH, HEIGHT, WEIGHT, VOID_RATIOS, "", Course(DISPLACEMENT), DISPLACEMENT)
+    view = View(0.0, -DISPLACEMENT - 0.01, WIDTH, 1.015 * HEIGHT)
+    canvas = Canvas(layout(SIZE, view), view, (True, True), WEIGHT, VOID_RATIOS, "", Course(DISPLACEMENT))
     bare = canvas.background.copy()
     for force in (100.0, 500.0):
         canvas.add_forces(0.0, np.full(3, force))

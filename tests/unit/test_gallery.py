@@ -11,7 +11,8 @@ from PIL import Image
 from taichi_silo.cli import app
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.result import Result
-from taichi_silo.show.film import moments, renderer
+from taichi_silo.show.film import films, moments
+from taichi_silo.show.film.look import Look
 from tests import made_up
 
 
@@ -21,8 +22,8 @@ def root(tmp_path_factory):
     place = tmp_path_factory.mktemp("all runs")
     ended = made_up.leave(place / "dense & rough", states=10)
     history = Result(ended)
-    look = renderer.Look(field="layers", size=(320, 180))
-    renderer.film(history, ended / "layers.mp4", moments.over(history, 5), look)
+    look = Look(field="layers", size=(320, 180))
+    films.film(history, ended / "layers.mp4", moments.over(history, 5), look)
     (ended / "void_ratio.mp4").write_text("no film")
     forces = {"bottom_N_per_m": 365.4, "shear_N_per_m": 630.0, "normal_N_per_m": 1e3, "wall_friction_angle_deg": 32.2}
     (ended / "summary.json").write_text(json.dumps({"finished": True, "residual": forces}))

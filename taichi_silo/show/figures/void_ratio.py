@@ -15,6 +15,9 @@ from taichi_silo.show.titles import title
 
 OVERLAP = 1.15  # squares are drawn larger by this factor, so that stretched sand shows no gaps
 COLORS = "viridis"
+WIDEST_IN = 40.0  # of a figure: 6,000 pixels
+TWO_TICKS_IN, THREE_TICKS_IN = 0.35, 0.9  # length of an axis from which on so many labels have room
+PANEL_IN = 13.0  # width of the silo where the panels are one below the other
 CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 EDGE = 0.004  # of the height, free around a large silo
 
@@ -65,14 +68,31 @@ def run_void_ratio_figure(run: Result) -> Figure | None:
     height = 4.8
     few = len(rows) < 3
     width = 1.3 + len(rows) * (0.42 + max(height * aspect(limits), 1.2))
-    figure = new_figure(max(width, 4.6), height + (1.9 if few else 1.35))
-    panels = figure.subplots(1, len(rows), squeeze=False, sharey=True)[0]
+    stacked = width > WIDEST_IN  # of wide silos one below the other
+    if stacked:
+        deep = PANEL_IN / aspect(limits)
+        figure = new_figure(PANEL_IN + 2.6, 1.5 + len(rows) * (deep + 0.75))
+        panels = figure.subplots(len(rows), 1, squeeze=False, sharex=True)[:, 0]
+    else:
+        figure = new_figure(max(width, 4.6), height + (1.9 if few else 1.35))
+        panels = figure.subplots(1, len(rows), squeeze=False, sharey=True)[0]
     for panel, row, field in zip(panels, rows, fields, strict=True):
         draw_field(panel, field, norm, limits, run.scene.silo.solids(), per_m)
         panel.set(xlabel=f"x ({unit})", title=moment(row, run.flow.empty))
-    panels[0].set_ylabel(f"height ({unit})")
+        if stacked:
+            top = round(per_m * run.scene.silo.height_m, 2)
+            panel.set_yticks([0.0, top][: 2 if deep > TWO_TICKS_IN else 1])
+            panel.label_outer()
+        elif height * aspect(limits) < THREE_TICKS_IN:
+            low, *_, high = _ticks(limits[0])
+            panel.set_xticks([low, high] if height * aspect(limits) > TWO_TICKS_IN else [high])
+    if stacked:
+        figure.supylabel(f"height ({unit})", fontsize=12)
+    else:
+        panels[0].set_ylabel(f"height ({unit})")
     color_bar(figure, panels, norm)
-    put_title(figure, *(f"Void ratio: {title(run)}".split(", ") if few else [f"Void ratio: {title(run)}"]))
+    short = few and not stacked
+    put_title(figure, *(f"Void ratio: {title(run)}".split(", ") if short else [f"Void ratio: {title(run)}"]))
     return figure
 
 

@@ -1,4 +1,4 @@
-"""Frames to an H.264 film, through imageio and its ffmpeg plugin."""
+"""Frames to a film, through imageio and its ffmpeg plugin: H.264 (MP4), VP9 (WebM) or GIF."""
 
 import contextlib
 from collections.abc import Iterable
@@ -16,13 +16,22 @@ COLOURS = (
     "-vf scale=out_color_matrix=bt709:out_range=tv,format=yuv420p -colorspace bt709 -color_primaries bt709 "
     "-color_trc bt709"
 )
-QUALITY = "-preset veryfast -crf 18 -bf 0 -threads 2 -movflags +faststart -f mp4"
+# codec and what ffmpeg is told, by the ending of the file; each frame of a GIF has 256 colours of its own
+KINDS = {
+    ".mp4": ("libx264", f"{COLOURS} -preset veryfast -crf 18 -bf 0 -threads 2 -movflags +faststart -f mp4"),
+    ".webm": ("libvpx-vp9", f"{COLOURS} -crf 24 -b:v 0 -deadline realtime -cpu-used 6 -row-mt 1 -threads 2 -f webm"),
+    ".gif": (
+        "gif",
+        "-filter_complex [0:v]split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=none -f gif",
+    ),
+}
 
 
 def encode(file: Path, frames: Iterable[np.ndarray], frames_per_second: int = FRAMES_PER_SECOND) -> int:
     """Encode frames (rows, columns, 3) of bytes, even numbers of rows and columns; returns how many there were.
 
-    The film is there when it is complete, or not at all; without frames there is none.
+    The ending of the file, one of `KINDS`, says what film it is. The film is there when it is complete, or not at all;
+    without frames there is none.
 
     Raises
     ------
@@ -31,10 +40,12 @@ def encode(file: Path, frames: Iterable[np.ndarray], frames_per_second: int = FR
 
     """
     passing, count = passing_name(file), 0
+    codec, told = KINDS[file.suffix.lower()]
     try:
         with imageio.get_writer(
-            passing, format="FFMPEG", mode="I", fps=frames_per_second, codec="libx264", macro_block_size=2,
-            quality=None, output_params=f"{COLOURS} {QUALITY}".split(),
+            passing, format="FFMPEG", mode="I", fps=frames_per_second, codec=codec, macro_block_size=2,
+            pixelformat="pal8" if codec == "gif" else "yuv420p", quality=None, output_params=told.split(),
+            ffmpeg_log_level="error",
         ) as writer:  # fmt: skip
             for frame in frames:
                 _append(writer, frame, file)
@@ -51,11 +62,12 @@ def encode(file: Path, frames: Iterable[np.ndarray], frames_per_second: int = FR
 
 
 def passing_name(file: Path) -> Path:
-    """The name of a film that is not complete; its ending tells imageio what it is.
+    """The name of a film that is not complete; its ending lets imageio write it with ffmpeg, which it does no GIF.
 
     It is absolute: in a relative one, ffmpeg reads "run:1/..." as a protocol and "-run/..." as an option.
     """
-    return file.absolute().with_name(f"{file.stem}.part{file.suffix}")
+    ending = ".mp4" if file.suffix.lower() == ".gif" else file.suffix
+    return file.absolute().with_name(f"{file.stem}.part{ending}")
 
 
 def _append(writer, frame: np.ndarray, file: Path) -> None:

@@ -1,13 +1,19 @@
 """One frame: the sand coloured by a field, beside the force curves up to then."""
 
+import math
+
 import numpy as np
 
 from taichi_silo.runs.point_fields import Scale
 from taichi_silo.scene.scene import Scene
-from taichi_silo.show.film.canvas import SIZE, Canvas, Course
+from taichi_silo.show.film.canvas import Canvas
+from taichi_silo.show.film.curves import Course
+from taichi_silo.show.film.look import Look, plate_m, view_of
 from taichi_silo.show.film.moments import Moment
 from taichi_silo.show.film.point_raster import SandRaster, levels
 from taichi_silo.show.report.words import length_unit
+
+WHOLE = Look()
 
 
 class Picture:
@@ -20,24 +26,33 @@ class Picture:
     scene : of the run.
     scale : of the field.
     course : what the curves are drawn against.
-    size : columns and rows of a frame.
+    look : how it is drawn.
+    size : of its page, if it shares that of the look with another run.
+    weight_N_per_m : to which the axis of forces reaches, if it is not its own.
+    at_most : pixels per metre.
+    note : what the curves are, if there is something to say.
 
     """
 
-    def __init__(self, scene: Scene, scale: Scale, course: Course, size: tuple[int, int] = SIZE):
-        silo, self.scale, self.sinks = scene.silo, scale, scene.silo.floor_is_outlet
-        sinks_m = scene.flow.displacement_m if self.sinks else 0.0
-        self.canvas = Canvas(
-            silo.width_m, silo.height_m, scene.weight_N_per_m, scale, title(scene), course, sinks_m, size
-        )
-        panel = self.canvas.panel
+    def __init__(
+        self, scene: Scene, scale: Scale, course: Course, look: Look = WHOLE, size: tuple[int, int] | None = None,
+        weight_N_per_m: float = 0.0, at_most: float = math.inf, note: str = "",
+    ):  # fmt: skip
+        silo, self.scale, self.sinks, self.look = scene.silo, scale, scene.silo.floor_is_outlet, look
+        self.plate_m, self.far_below = plate_m(scene), -10.0 * silo.height_m
+        view = view_of(scene, look)
+        layout = look.page(view, at_most, size)
+        walls = view.left < 1e-9, view.right > silo.width_m - 1e-9
+        words = title(scene) if look.title is None else look.title
+        weight = max(weight_N_per_m, scene.weight_N_per_m)
+        self.canvas = Canvas(layout, view, walls, weight, scale, words, course, note)
         self.raster = SandRaster(
-            panel.columns, panel.rows, self.canvas.pixels_per_metre, self.canvas.top_m, scene.spacing_m, scale.colours,
-            () if self.sinks else floors(silo) + silo.solids(),
+            layout.panel.columns, layout.panel.rows, layout.pixels_per_metre, view.top, scene.spacing_m, scale.colours,
+            () if self.sinks else floors(silo) + silo.solids(), view.left,
         )  # fmt: skip
 
     def frame(self, position: np.ndarray, values: np.ndarray, moment: Moment) -> np.ndarray:
-        """Draw one frame, (rows, columns, 3) of bytes.
+        """Draw one frame, (rows, columns, 3) of bytes, or (rows, columns, 4) if the look is transparent.
 
         Parameters
         ----------
@@ -47,13 +62,33 @@ class Picture:
         moment : what the frame shows.
 
         """
-        finite = np.isfinite(position).all(axis=1)
-        level = levels(self.scale.share(values[finite]))
-        plate_top = -moment.progress if self.sinks else -10.0 * self.canvas.top_m
-        sand = self.raster.draw(position[finite], level, plate_top, plate_top - self.canvas.plate_m)
-        frame = self.canvas.page(moment.time_s, moment.stage, moment.progress)
+        sand = self.sand(position, values, moment)
+        frame = self.canvas.page(moment.shown_s, moment.stage, moment.progress)
+        if self.look.transparent:
+            frame = without_white(frame)
         frame[self.canvas.panel.slices] = sand
         return frame
+
+    def sand(self, position: np.ndarray, values: np.ndarray, moment: Moment) -> np.ndarray:
+        """Draw the part of a frame where the sand is, as `frame` does."""
+        finite = np.isfinite(position).all(axis=1)
+        level = levels(self.scale.share(values[finite]))
+        plate_top = -moment.sunk_m if self.sinks else self.far_below
+        given = position[finite], level, plate_top, plate_top - self.plate_m
+        if not self.look.transparent:
+            return self.raster.draw(*given)
+        colour, cover = self.raster.see_through(*given)
+        return np.dstack([colour, np.rint(255.0 * cover).astype(np.uint8)])
+
+
+def without_white(frame: np.ndarray) -> np.ndarray:
+    """An image (rows, columns, 4) that looks like this one (rows, columns, 3) on white, and is clear where it is white.
+
+    Each pixel covers as little as its darkest channel allows.
+    """
+    cover = 255.0 - frame.min(axis=2).astype(float)
+    colour = 255.0 * (1.0 - (255.0 - frame) / np.maximum(cover, 1.0)[..., None])
+    return np.rint(np.dstack([np.where(cover[..., None] > 0.0, colour, 0.0), cover])).astype(np.uint8)
 
 
 def course_of(scene: Scene) -> Course:

@@ -6,8 +6,10 @@ from matplotlib.colors import to_rgb
 from PIL import Image, ImageDraw
 
 from taichi_silo.mpm.language import ti
-from taichi_silo.show.film.canvas import BACKGROUND, INK, MISSING
+from taichi_silo.show.film.furniture import MISSING
+from taichi_silo.show.film.lettering import INK
 
+BACKGROUND = (243, 243, 243)  # no sand
 REACH = 0.75  # a point colours what lies within this many spacings of it, in x and in y
 SAMPLES = 2  # samples per pixel along each axis
 COLOURS = 256
@@ -43,7 +45,7 @@ class SandRaster:
     Parameters
     ----------
     columns, rows : int
-        Size of the image, pixels; its left edge is x = 0.
+        Size of the image, pixels.
     pixels_per_metre : float
         Scale along both axes.
     top_m : float
@@ -54,15 +56,17 @@ class SandRaster:
         Name of a map of matplotlib, or one colour for each class.
     solids : list of ndarray
         Outlines (n, 2) of what stands still and covers the sand, m.
+    left_m : float
+        Where column 0 begins, m.
     """
 
     def __init__(
         self, columns: int, rows: int, pixels_per_metre: float, top_m: float, spacing_m: float, colours="viridis",
-        solids=(),
+        solids=(), left_m=0.0,
     ):  # fmt: skip
         self.columns, self.rows = columns, rows
         self.samples_per_metre = SAMPLES * pixels_per_metre
-        self.top_m = top_m
+        self.top_m, self.left_m = top_m, left_m
         self.reach = max(REACH * spacing_m * self.samples_per_metre, 0.75)  # samples; none may fall between
         self.nearest = ti.field(ti.i64, shape=(SAMPLES * rows, SAMPLES * columns))
         self.nearest.from_numpy(np.full(self.nearest.shape, UNCLAIMED))
@@ -71,10 +75,24 @@ class SandRaster:
         self.image = np.zeros((rows, columns, 3), np.uint8)
         mask = Image.new("1", (SAMPLES * columns, SAMPLES * rows))
         for outline in solids:
-            x, y = outline[:, 0] * self.samples_per_metre, (top_m - outline[:, 1]) * self.samples_per_metre
+            x, y = (outline[:, 0] - left_m) * self.samples_per_metre, (top_m - outline[:, 1]) * self.samples_per_metre
             ImageDraw.Draw(mask).polygon([*zip(x.tolist(), y.tolist(), strict=True)], fill=1)
         self.solid = ti.field(ti.i8, shape=self.nearest.shape)
         self.solid.from_numpy(np.asarray(mask).astype(np.int8))
+
+    def see_through(self, position: np.ndarray, level: np.ndarray, *plate: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the image without its background, and how much each pixel covers (0 to 1), as `draw` would have both.
+
+        The picture is drawn on black and on white: what differs is background.
+        """
+        found = []
+        for shade in (0, 255):
+            self.table[EMPTY] = [shade] * 3
+            found.append(self.draw(position, level, *plate).astype(float))
+        self.table[EMPTY] = list(BACKGROUND)
+        cover = 1.0 - np.clip((found[1] - found[0]).mean(axis=2) / 255.0, 0.0, 1.0)
+        colour = found[0] / np.maximum(cover, 1e-9)[..., None]
+        return np.rint(np.clip(colour, 0.0, 255.0)).astype(np.uint8), cover
 
     def draw(self, position: np.ndarray, level: np.ndarray, plate_top_m: float, plate_bottom_m: float) -> np.ndarray:
         """Return the image (rows, columns, 3) of bytes, valid until the next call.
@@ -94,7 +112,7 @@ class SandRaster:
     @ti.kernel
     def _claim(self, position: ti.types.ndarray()):  # type: ignore[valid-type]
         for p in range(position.shape[0]):
-            x = position[p, 0] * self.samples_per_metre - 0.5
+            x = (position[p, 0] - self.left_m) * self.samples_per_metre - 0.5
             y = (self.top_m - position[p, 1]) * self.samples_per_metre - 0.5
             first = ti.max(ti.cast(ti.ceil(x - self.reach), ti.i32), 0)
             last = ti.min(ti.cast(ti.floor(x + self.reach), ti.i32), SAMPLES * self.columns - 1)
