@@ -78,7 +78,7 @@ def cost_figure(found: tuple[pd.DataFrame, pd.DataFrame]) -> Figure | None:
             measure = number["error"] / number["relative_error"] if number["relative_error"] else np.nan
             errors = (main[name] - number["value"]).abs() / measure
             panel.loglog(main["core_seconds"], 100.0 * np.maximum(errors, ROUND_OFF), "o-", color=colour, label=name[0])
-            panel.axhline(100.0 * number["relative_error"], color=colour, lw=1.0, ls=(0, (5, 3)))
+            panel.axhline(100.0 * max(number["relative_error"], ROUND_OFF), color=colour, lw=1.0, ls=(0, (5, 3)))
         panel.set_title(TITLES[names[0]].replace("P ", "forces "))
         panel.set_xlabel("cost of the run (core-seconds)")
     panels[0].set_ylabel("distance from the limit, % of the weight")
