@@ -31,7 +31,7 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.scene import sands
-from taichi_silo.scene.scene import Flow, Machine, Scene, Walls
+from taichi_silo.scene.scene import Flow, Machine, Method, Scene, Walls
 from taichi_silo.studies.converge.quantities import BAND, HEIGHTS
 from taichi_silo.studies.converge.study import converge
 
@@ -44,6 +44,7 @@ from validation.stability.bodies import block, solver  # noqa: E402
 COLUMNS = ("case", "quantity", "value", "error", "truth", "held", "order", "trust")
 LADDERS = ((0.5, 1.0, 2.0), (1.0, 2.0, 4.0))  # cells along the length, of the layer
 SANDS = {"karlsruhe": (0.60, 0.75, 0.90), "hostun": (0.70,)}  # void ratios of the frictionless silo
+FILLED_S = 2.0  # slowly, so that inertia plays no part
 COMPRESSED, INCREMENTS = 0.02, 4000  # strain up to which a point is compressed, and its increments
 CELLS = ((8, 16, 32), (16, 32, 64))  # along the bar
 FALL_S, FALL_STEPS = 0.1, (50, 100, 200)
@@ -75,6 +76,7 @@ def of_silo(sand: str, void_ratio: float, folder: Path) -> Iterator[dict]:
     scene = Scene(
         sand=sands.sand(sand, void_ratio), walls=Walls(kind="smooth", friction_angle_deg=0.0),
         flow=Flow(speed_m_per_s=0.02, displacement_m=2e-4), machine=Machine(threads=1),
+        method=Method(filling_time_s=FILLED_S),
     )  # fmt: skip
     found = converge(scene, folder / f"{sand}_{void_ratio:g}", to=1e-3, budget="1h", jobs=1, progress=False, steps=3)
     truth = compressed(scene)

@@ -84,7 +84,7 @@ class Method(MethodOptions):
     )
     gravity_m_per_s2: float = Field(9.81, ge=0.01, le=1e4, description="acceleration of gravity")
     filling_time_s: float = Field(
-        0.5, ge=1e-6, le=1e5, description="time in which the weight grows; at least 12 periods of the column"
+        0.5, ge=1e-6, le=1e5, description="time in which the weight grows; at least 28 periods of the column"
     )
     longest_settling_s: float = Field(
         1.0, ge=0, le=1e5, description="longest wait for rest after filling; or 20 periods of the column, if longer"
