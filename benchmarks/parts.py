@@ -22,7 +22,7 @@ from taichi_silo.cli import command_line, model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import integrate
 from taichi_silo.runs.observers.film_recorder import FilmRecorder
-from taichi_silo.scene import scene
+from taichi_silo.scene import averaging
 from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import STEP_SAFETY, Simulation
 
@@ -54,7 +54,7 @@ def trials(cell_m: float) -> list[Trial]:
         Trial(
             "non-local average", "put in where a point's own weight is 1.0000",
             lambda s: {"averaging": Averaging(characteristic_length_m=0.3 * cell_m)},
-            lambda: patch.object(scene, "INACTIVE_FROM", 2.0),
+            lambda: patch.object(averaging, "INACTIVE_FROM", 2.0),
         ),
         Trial("intergranular strain", "put in", lambda s: {"sand": Sand(law="intergranular")}),
         Trial(
