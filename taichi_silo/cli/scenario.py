@@ -36,18 +36,9 @@ SHARED = (  # by all scenarios of a silo
     "method.noise_control", "machine.threads", "machine.arch", "output.records_per_period", "output.snapshots",
     *flags.METHOD,
 )  # fmt: skip
-RUN = [
-    "sand",
-    "fidelity",
-    "output",
-    "overwrite",
-    "film",
-    "figures",
-    "explain",
-    "yes",
-    "quiet",
-    "json",
-]  # parameters of all, no values
+RUN = [  # parameters of all, no values
+    "sand", "fidelity", "output", "overwrite", "film", "figures", "explain", "yes", "quiet", "json",
+]  # fmt: skip
 NOTES = {ANGLE: "; {dense:g} for dense and {loose:g} for loose sand if not given".format(**model_silo.SMOOTH_ANGLE_DEG)}
 
 
@@ -80,8 +71,7 @@ def silo_scenario(
         *, sand: flags.SandFlag = scene.sand.name, fidelity: flags.FidelityFlag = STANDARD,
         output: OutputFlag = None, overwrite: OverwriteFlag = False, film: FilmFlag = True,
         figures: FiguresFlag = True, explain: ExplainFlag = False, yes: YesFlag = False, quiet: QuietFlag = False,
-        json: JsonFlag = False,
-        **values: Any,
+        json: JsonFlag = False, **values: Any,
     ) -> Path | None:  # fmt: skip
         chosen, console = named_fidelity(fidelity), Console(quiet, json)
         tables = _tables(scene, flags.given(values, (*paths, *SHARED)), sand, chosen, (*paths, *SHARED))

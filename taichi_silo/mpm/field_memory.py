@@ -16,9 +16,9 @@ from taichi_silo.mpm.language import NAME, ti
 def values(field: ti.Field, first: int | None = None) -> np.ndarray:
     """A copy of a field, whose last axis is that of its vectors; or of so many first entries."""
     seen = view(field)
-    if seen is None:
-        seen = field.to_numpy()
-    return seen.copy() if first is None else seen[:first].copy()
+    whole = field.to_numpy() if seen is None else seen
+    part = whole if first is None else whole[:first]
+    return part if seen is None else part.copy()
 
 
 def put(field: ti.Field, given: ArrayLike, first: int | None = None) -> None:

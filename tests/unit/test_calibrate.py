@@ -1,14 +1,12 @@
 """Calibration: the paths are the law's, constants come back from made-up tests, and what is open is said."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import taichi_silo as ts
-from taichi_silo.cli import app
 from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.mpm.laws.stress_point import StressPoint
 from taichi_silo.scene import sands
@@ -198,17 +196,9 @@ def left(folder, few=False):
     return folder
 
 
-def call(monkeypatch, capsys, *words):
-    monkeypatch.setattr(sys, "argv", ["taichi-silo", *map(str, words)])
-    with pytest.raises(SystemExit) as ended:
-        app.main()
-    said = capsys.readouterr()
-    return ended.value.code, said.out, said.err
-
-
-def test_the_command_leaves_a_sand_that_a_run_takes_and_all_numbers_in_one_object(tmp_path, monkeypatch, capsys):
+def test_the_command_leaves_a_sand_that_a_run_takes_and_all_numbers_in_one_object(tmp_path, said):
     lab, output = left(tmp_path / "quarry"), tmp_path / "out"
-    code, said, shown = call(monkeypatch, capsys, "calibrate", lab, "--output", output, "--json")
+    code, out, shown = said("calibrate", lab, "--output", output, "--json")
     assert code == 0
     assert "Constants of quarry" in shown
     names = ["calibration.csv", "compression.png", "sand.toml", "shearing.png"]
@@ -216,7 +206,7 @@ def test_the_command_leaves_a_sand_that_a_run_takes_and_all_numbers_in_one_objec
     for name in (names[1], names[3]):
         image = np.asarray(Image.open(output / name).convert("RGB"))
         assert np.mean(np.any(image < 200, axis=2)) > 0.01
-    found = json.loads(said)
+    found = json.loads(out)
     assert set(found) == {"sand", "constants", "rank", "trade_off", "noise", "void_ratios", "remarks", "files"}
     for row in found["constants"]:
         assert row["low"] <= row["value"] <= row["high"]
@@ -227,10 +217,10 @@ def test_the_command_leaves_a_sand_that_a_run_takes_and_all_numbers_in_one_objec
     (lab / "index.csv").unlink()
     for file in lab.glob("triaxial*"):
         file.unlink()
-    code, said, _ = call(monkeypatch, capsys, "calibrate", lab, "--output", output)
+    code, out, _ = said("calibrate", lab, "--output", output)
     assert code == 0
-    assert "φ_c is not determined: its interval is wider than its range" in said
-    assert "No test gives the grain density; sand.toml has 2650." in said
+    assert "φ_c is not determined: its interval is wider than its range" in out
+    assert "No test gives the grain density; sand.toml has 2650." in out
     assert not (output / "shearing.png").exists()  # an earlier calibration is replaced as a whole
 
 
@@ -243,7 +233,7 @@ def test_from_python_nothing_is_written_unless_asked(tmp_path, monkeypatch):
     assert isinstance(found, ts.Calibration)
 
 
-def test_what_cannot_be_calibrated_is_refused_before_anything_is_written(tmp_path, monkeypatch, capsys):
+def test_what_cannot_be_calibrated_is_refused_before_anything_is_written(tmp_path, said):
     lab, output = tmp_path / "lab", tmp_path / "out"
     for files, words in (
         (None, "no such folder"),
@@ -255,7 +245,7 @@ def test_what_cannot_be_calibrated_is_refused_before_anything_is_written(tmp_pat
             lab.mkdir(exist_ok=True)
             for name, text in files.items():
                 (lab / name).write_text(text)
-        code, _, err = call(monkeypatch, capsys, "calibrate", lab, "--output", output)
+        code, _, err = said("calibrate", lab, "--output", output)
         assert code == 2
         assert words in err
         assert err.count("\n") == 1

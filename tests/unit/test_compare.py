@@ -1,14 +1,12 @@
 """Runs side by side: measurements are read, and differences are what a hand computes."""
 
 import json
-import sys
 
 import numpy as np
 import pandas as pd
 import pytest
 from PIL import Image
 
-from taichi_silo.cli import app
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.scene.scene import Walls
@@ -287,20 +285,12 @@ def test_a_run_deviates_from_its_own_curve_by_nothing(runs, tmp_path):
 # the command
 
 
-def call(monkeypatch, capsys, *words):
-    monkeypatch.setattr(sys, "argv", ["taichi-silo", *map(str, words)])
-    with pytest.raises(SystemExit) as ended:
-        app.main()
-    said = capsys.readouterr()
-    return ended.value.code, said.out, said.err
-
-
-def test_the_command_leaves_tables_and_figures_and_all_numbers_in_one_object(runs, tmp_path, monkeypatch, capsys):
+def test_the_command_leaves_tables_and_figures_and_all_numbers_in_one_object(runs, tmp_path, said):
     file = table(tmp_path, "displacement_mm,N_kN_per_m\n1,0.6\n5,0.7\n")
     profile = table(tmp_path, "height_m,normal_stress_kPa,wall\n0.1,2,left\n0.3,1,left\n", "cells.csv")
     output = tmp_path / "out"
     flags = ("--janssen", "--csv", file, "--csv", profile, "--json", "--output", output)
-    code, said, shown = call(monkeypatch, capsys, "compare", *runs, *flags)
+    code, out, shown = said("compare", *runs, *flags)
     assert code == 0
     titles = ("Differences, per cent against smooth", "wall normal N, filled", "Janssen's theory", "Deviation from")
     assert all(words in shown for words in titles)  # for a person, beside the numbers
@@ -309,7 +299,7 @@ def test_the_command_leaves_tables_and_figures_and_all_numbers_in_one_object(run
     for name in names[1:3]:
         image = np.asarray(Image.open(output / name).convert("RGB"))
         assert np.mean(np.any(image < 200, axis=2)) > 0.01
-    found = json.loads(said)
+    found = json.loads(out)
     assert set(found) == {"runs", "differences", "janssen", "deviations", "files"}
     assert list(found["runs"]) == ["smooth", "very-rough"]
     rows = pd.read_csv(output / "compare.csv")
@@ -321,11 +311,11 @@ def test_the_command_leaves_tables_and_figures_and_all_numbers_in_one_object(run
     assert sorted(file.name for file in output.iterdir()) == names[:3]
 
 
-def test_what_cannot_be_compared_is_refused_before_anything_is_written(runs, tmp_path, monkeypatch, capsys):
+def test_what_cannot_be_compared_is_refused_before_anything_is_written(runs, tmp_path, said):
     output = tmp_path / "out"
     curves = table(tmp_path, "displacement_mm,P_N_per_m\n1,2\n")
     times = table(tmp_path, "time_s,P_N_per_m\n1,2\n", "times.csv")
-    for words, said in (
+    for words, why in (
         ([runs[0]], "runs: there is 1"),
         ([runs[0], tmp_path], "holds no run.toml"),
         ([runs[0], runs[0]], "given twice"),
@@ -333,8 +323,8 @@ def test_what_cannot_be_compared_is_refused_before_anything_is_written(runs, tmp
         ([*runs, "--csv", tmp_path / "no.csv"], "no.csv cannot be read"),
         ([*runs, "--csv", curves, "--csv", times], "over displacement and over time"),
     ):
-        code, _, err = call(monkeypatch, capsys, "compare", *words, "--output", output)
+        code, _, err = said("compare", *words, "--output", output)
         assert code == 2
-        assert said in err
+        assert why in err
         assert err.count("\n") == 1
         assert not output.exists()

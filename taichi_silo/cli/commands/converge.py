@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
+from taichi_silo.cli.output_flags import JobsFlag, JsonFlag, QuietFlag, SchedulerFlag, SlurmFlag
 from taichi_silo.utils.console import Console
 
 
@@ -23,13 +23,9 @@ def converge(
     ] = None,
     budget: Annotated[str, typer.Option(metavar="TIME", help="time by the clock: 20min, 1.5h, 90s")] = "20min",
     steps: Annotated[int, typer.Option(help="of the ladder, at most: 1 to 8")] = 8,
-    jobs: Annotated[
-        int | None, typer.Option(help="runs at a time, one core each; all cores of this machine if not given", min=1)
-    ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(help="address of a dask scheduler whose workers do the runs, such as tcp://host:8786")
-    ] = None,
-    slurm: Annotated[bool, typer.Option("--slurm", help="do the runs in jobs of Slurm")] = False,
+    jobs: JobsFlag = None,
+    scheduler: SchedulerFlag = None,
+    slurm: SlurmFlag = False,
     estimate: Annotated[bool, typer.Option("--estimate", help="only say what the first steps would cost")] = False,
     output: Annotated[
         Path | None, typer.Option(help="folder; one subfolder a run; outputs/converge-NAME if not given")

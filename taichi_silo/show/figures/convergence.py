@@ -17,8 +17,13 @@ TITLES = {
     "TN_residual": "T/N at the end", "pressure_residual_0.5": "wall stress at mid-height, at the end",
     "zone_thickness": "thickness of the wall zone",
 }  # fmt: skip
-UNITS = {"N/m": ("kN/m", 1e-3), "Pa": ("kPa", 1e-3), "m": ("mm", 1e3)}
+UNITS = {"N/m": ("kN/m", 1e-3), "Pa": ("kPa", 1e-3), "m": ("mm", 1e3), "-": ("", 1.0)}
 ROUND_OFF = 1e-6  # below which an error is drawn there
+
+
+def shown_in(unit: str) -> tuple[str, float]:
+    """Unit in which a quantity is shown, and its number in the SI unit."""
+    return UNITS.get(unit, (unit, 1.0))
 
 
 def convergence_figure(found: tuple[pd.DataFrame, pd.DataFrame]) -> Figure | None:
@@ -43,7 +48,7 @@ def convergence_figure(found: tuple[pd.DataFrame, pd.DataFrame]) -> Figure | Non
 def _values(panel, runs: pd.DataFrame, numbers: pd.DataFrame, name: str) -> None:
     """One number against the size of the cells."""
     number = numbers.loc[name]
-    unit, factor = UNITS.get(number["unit"], (number["unit"], 1.0))
+    unit, factor = shown_in(number["unit"])
     main = runs[runs["main"]].sort_values("cell_size_m")
     slow = runs["speed_m_per_s"] == main["speed_m_per_s"].min()
     others = runs[~runs["main"] & slow]
@@ -59,7 +64,7 @@ def _values(panel, runs: pd.DataFrame, numbers: pd.DataFrame, name: str) -> None
     panel.ticklabel_format(axis="y", useOffset=False)
     panel.set_title(TITLES[name])
     panel.set_xlabel("size of the cells (mm)")
-    panel.set_ylabel(unit if unit != "-" else "")
+    panel.set_ylabel(unit)
 
 
 def cost_figure(found: tuple[pd.DataFrame, pd.DataFrame]) -> Figure | None:

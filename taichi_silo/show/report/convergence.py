@@ -6,11 +6,11 @@ import pandas as pd
 
 from taichi_silo.scene.scene import Scene
 from taichi_silo.show import html
+from taichi_silo.show.figures.convergence import shown_in
 from taichi_silo.show.report.tables import ReportTable
 from taichi_silo.show.report.words import NONE, number, per_cent
 from taichi_silo.utils import atomic_write
 
-UNITS = {"N/m": ("kN/m", 1e-3), "Pa": ("kPa", 1e-3), "m": ("mm", 1e3), "-": ("", 1.0)}
 PARTS = {"grid": "cells", "length": "length of the law", "speed": "speed of the bottom", "time": "rest"}
 CARDS = ("P_residual", "T_residual", "N_residual", "zone_thickness")
 WORDS = {
@@ -41,7 +41,7 @@ def _title(scene: Scene) -> str:
 
 def with_error(value: float, error: float, unit: str) -> tuple[str, str]:
     """A number with its error, both to the second digit of the error, and the unit that they are in."""
-    name, factor = UNITS.get(unit, (unit, 1.0))
+    name, factor = shown_in(unit)
     value, error = factor * value, factor * error
     if error != error:
         return f"{number(value)} ± {NONE}", name
@@ -66,7 +66,7 @@ def _numbers(numbers: pd.DataFrame) -> ReportTable:
     rows = []
     for _, row in numbers.iterrows():
         value, unit = with_error(row["value"], row["error"], row["unit"])
-        finest = number(UNITS.get(row["unit"], ("", 1.0))[1] * row["finest_run"], 4)
+        finest = number(shown_in(row["unit"])[1] * row["finest_run"], 4)
         rows.append((row["in_words"], value, unit, per_cent(row["relative_error"]), finest))
     return ReportTable(("quantity", "value and error", "unit", "error over its measure", "finest run"), tuple(rows),
                        "Forces over the weight of the sand, wall stresses over the largest of their profile, all else "

@@ -46,6 +46,7 @@ class Study:
     plan: Plan = field(default_factory=Plan)
     console: Console = field(default_factory=Console)
     cluster: Cluster = field(default_factory=Local)
+    found: dict[str, dict[str, Quantity]] = field(default_factory=dict, init=False)  # what each run found, by its name
     numbers: dict[str, Number] = field(default_factory=dict, init=False)
     steps: int = field(default=0, init=False)
     ended: str = field(default="", init=False)
@@ -97,44 +98,49 @@ class Study:
         began = time.monotonic()
         with alone(self.folder / LOCK, 0.0, f"output {self.folder} is in use by another study"):
             for step in range(self.plan.steps):
-                if not self._afford(step, time.monotonic() - began):
+                expected = self._afford(step, time.monotonic() - began)
+                if expected is None:
                     break
-                self._climb(step)
+                self._climb(step, expected)
                 if self._good_enough():
                     break
             else:
                 self.ended = f"The ladder was to end after {self.plan.steps} steps."
             self._leave()
 
-    def _afford(self, step: int, spent_s: float) -> bool:
-        """Say what a step costs; whether there is time for it."""
-        self._add(step)
-        expected = self.costs(step)
+    def _afford(self, step: int, spent_s: float) -> dict[str, Cost] | None:
+        """Say what a step costs; the costs of its missing runs, or None where there is no such step, or no time."""
+        try:
+            expected = self.costs(step)
+        except BadInput as error:
+            if step < FEWEST_STEPS:
+                raise
+            self.ended = f"The ladder ends here: {error}."
+            return None
         minutes, left = self.minutes(expected), (self.plan.budget_s - spent_s) / 60.0
         rung = self.ladder.main(step)
         across = round(self.scene.silo.width_m / rung.cell_m)
         what = f"step {step + 1}: cells of {1e3 * rung.cell_m:.4g} mm, {across} across"
         if not expected:
             self.console.say(f"{what}: there already")
-            return True
+            return expected
         if minutes > left:
             self.ended = (
                 f"The next step, cells of {1e3 * rung.cell_m:.4g} mm, takes about {minutes:.2g} min, and "
                 f"{max(left, 0.0):.2g} min are left; the same command with --budget {_time(minutes)} goes on from here."
             )
-            return False
+            return None
         runs = "1 run" if len(expected) == 1 else f"{len(expected)} runs"
         self.console.say(f"{what}: {runs}, about {minutes:.2g} min")
-        return True
+        return expected
 
-    def _climb(self, step: int) -> None:
+    def _climb(self, step: int, expected: dict[str, Cost]) -> None:
         """Do what is missing of a step, and renew what is known."""
-        missing = {name: self.runs[name] for name in self.ladder.step(step) if not self.runs[name].finished}
+        missing = {name: self.runs[name] for name in expected}
         for run in missing.values():
             if run.folder.exists():
                 own(run.folder)
         if missing:
-            expected = costs(self.runs, list(missing))
             with self.cluster.pool(self.folder, len(missing), RETRIES) as pool:
                 failures = simulate(missing, pool, self.console, expected=expected)
             if failures:
@@ -143,12 +149,9 @@ class Study:
                 self._leave()
                 raise RunFailed(f"in the run {name}: {why}")
         self.steps = step + 1
-        self.numbers = estimate(self.ladder, self.steps, self.found())
+        self.found |= {name: quantities(Result(self.runs[name].folder)) for name in self.ladder.step(step)}
+        self.numbers = estimate(self.ladder, self.steps, self.found)
         self._leave()
-
-    def found(self) -> dict[str, dict[str, Quantity]]:
-        """What each run that is there found, by its name."""
-        return {name: quantities(Result(run.folder)) for name, run in self.runs.items() if run.finished}
 
     def _good_enough(self) -> bool:
         """Whether the error is met; says how large it is."""
@@ -187,16 +190,15 @@ class Study:
         with atomic_write.written(self.folder / FOUND) as passing:
             passing.write_text(json.dumps(self.result, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         rows = table.of_numbers(self.numbers)
-        runs = table.of_runs(self.ladder, self.runs, self.steps)
+        runs = table.of_runs(self.ladder, self.runs, self.found, self.steps)
         for name, frame in ((TABLE, rows), (RUNS, runs)):
             with atomic_write.written(self.folder / name) as passing:
                 frame.to_csv(passing, index=False, float_format="%.6g")
+        self.left = [self.folder / name for name in (FOUND, TABLE, RUNS)]
         if self.steps > 1 and self.ended:
             figures = draw_all(FIGURES, (runs, rows), self.folder / "figures")
             write_page(self.folder / "report.html", self.scene, self.ended, rows, runs, figures)
-            self.left = [self.folder / name for name in (FOUND, TABLE, RUNS)] + [*figures, self.folder / "report.html"]
-        else:
-            self.left = [self.folder / name for name in (FOUND, TABLE, RUNS)]
+            self.left += [*figures, self.folder / "report.html"]
 
 
 def _time(minutes: float) -> str:

@@ -5,10 +5,9 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from taichi_silo.runs.result import Result
 from taichi_silo.studies.converge.estimate import Number
 from taichi_silo.studies.converge.ladder import Ladder
-from taichi_silo.studies.converge.quantities import quantities, words
+from taichi_silo.studies.converge.quantities import Quantity, words
 from taichi_silo.studies.sweep.runs import Run
 
 PARTS = ("grid", "length", "speed", "time")
@@ -38,17 +37,18 @@ def of_numbers(numbers: Mapping[str, Number]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def of_runs(ladder: Ladder, runs: Mapping[str, Run], steps: int) -> pd.DataFrame:
+def of_runs(
+    ladder: Ladder, runs: Mapping[str, Run], found: Mapping[str, Mapping[str, Quantity]], steps: int
+) -> pd.DataFrame:
     """One row a run: its step, cells, length, speed, cost, and all that it found."""
     rows = []
     for step in range(steps):
         for name, rung in ladder.step(step).items():
             run = runs[name]
             cost = run.summary.get("cost", {})
-            found = {key: one.value for key, one in quantities(Result(run.folder)).items()} if run.finished else {}
             rows.append({
                 "run": name, "step": step + 1, "main": rung == ladder.main(step), "cell_size_m": rung.cell_m,
                 "length_m": rung.length_m, "speed_m_per_s": rung.speed_m_per_s, "points": run.scene.points,
-                "core_seconds": cost.get("seconds"), **found,
+                "core_seconds": cost.get("seconds"), **{key: one.value for key, one in found[name].items()},
             })  # fmt: skip
     return pd.DataFrame(rows)
