@@ -6,9 +6,10 @@ import pytest
 from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.runs import cost_estimate
-from taichi_silo.scene.scene import Flow, Mesh, Method, Scene
+from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls
 from taichi_silo.scene.silo import Hopper, Silo
 from taichi_silo.simulation.simulation import Simulation
+from taichi_silo.studies.sweep.runs import Run, costs
 
 
 def coarse(walls="very-rough", speed=0.04, displacement=0.004, cell=0.05, **method) -> Scene:
@@ -75,3 +76,17 @@ def test_the_cost_is_known_to_a_quarter(walls, cell, speed):
     expected = cost_estimate.predict(simulation)
     spent = done(simulation).stepping_seconds
     assert abs(expected.core_seconds / spent - 1.0) < 0.25
+
+
+@pytest.mark.parametrize("half", ["yes", "no"])
+def test_a_finished_run_foretells_the_cost_of_its_like_also_of_half_a_silo(half, tmp_path, monkeypatch):
+    silo = Silo(width_m=0.2, height_m=0.4, half=half)
+    scene = Scene(silo=silo, grid=Mesh(cell_size_m=0.02), walls=Walls(kind="smooth", friction_angle_deg=19.0),
+                  machine=Machine(threads=1))  # fmt: skip
+    done, other = Run(scene, tmp_path / "done"), Run(scene, tmp_path / "other")
+    computed = scene.points // (2 if half == "yes" else 1)
+    scene.machine.start()
+    told = {"cost": {"points": computed, "steps": cost_estimate.steps(scene), "seconds": 12.0}}
+    monkeypatch.setattr(Run, "finished", property(lambda run: run is done))
+    monkeypatch.setattr(Run, "summary", property(lambda run: told if run is done else {}))
+    assert costs({"done": done, "other": other}, ["other"])["other"].core_seconds == pytest.approx(12.0)

@@ -19,6 +19,7 @@ from taichi_silo.runs.run_folder import MADE, claim, finished, parameters
 from taichi_silo.scene import memory_need
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
+from taichi_silo.scene.symmetry import half_model
 from taichi_silo.simulation.simulation import Simulation
 from taichi_silo.utils.console import Console
 from taichi_silo.utils.file_lock import alone
@@ -127,8 +128,8 @@ def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
     for run in runs.values():
         cost = run.summary.get("cost", {}) if run.finished else {}
         if cost.get("steps"):
-            pace = cost["seconds"] / (cost["points"] * cost["steps"])
-            paces.setdefault(_formulas(run.scene), []).append((cost["points"], pace))
+            points = run.scene.points  # of the whole silo, as of a scene whose cost is asked
+            paces.setdefault(_formulas(run.scene), []).append((points, cost["seconds"] / (points * cost["steps"])))
     for machine in {runs[name].scene.machine for name in missing}:
         machine.start()
     for name in sorted(missing, key=lambda name: runs[name].scene.points):
@@ -151,7 +152,7 @@ def _nearest(paces: list[tuple[int, float]], points: int) -> float:
 def _formulas(scene: Scene) -> tuple:
     """What decides over the seconds of a point and step."""
     method, grid = scene.method, scene.grid
-    variant = (method.transfer, method.stress_update, method.stress_filter)
+    variant = (method.transfer, method.stress_update, method.stress_filter, half_model(scene)[0])
     return scene.machine.arch, scene.machine.lanes, scene.sand.law, grid.shape, grid.points_per_cell, *variant
 
 
