@@ -4,17 +4,20 @@ A result f that is computed with a cell size (or a length, or a speed) x is take
 
     f(x) = F + a (x^p - x_t^p),        x_t the aim: 0 for cells, the sand's own for a length
 
-with the order p that the results show (Richardson's extrapolation). The uncertainty is that of the grid convergence
-index of ASME V&V 20 (2009), in the least-squares form of L. Eca and M. Hoekstra, J. Comput. Phys. 262 (2014) 104-130,
-which also knows what to do with results that scatter:
+with the order p that the results show (Richardson's extrapolation). The uncertainty goes after the grid convergence
+index of ASME V&V 20 (2009) and the least-squares fit of L. Eca and M. Hoekstra, J. Comput. Phys. 262 (2014) 104-130;
+of their fits with fixed orders and their weights it makes no use.
 
     three or more results:   F, a, p by least squares, s their standard deviation from the fit
       s below the mean step from result to result:   U = f_s |F - f_1| + s + |f_1 - fit_1|
       else they scatter:                             U = 3 times their range, and F = f_1
-      f_s = 1.25 where 0.5 <= p <= 2.1 (the asymptotic range), 3 elsewhere; p is taken between 0.5 and 2 for F
+      f_s = 1.25 where four results show 0.5 <= p <= 2.1 (the asymptotic range), else 3; for F p is kept in 0.5 to 2
+      of four results U is no less than the distance of F from what the first three and the last three alone tend to,
+      and of all no less than what the last two would tell with p = 1
     two results:             p = 1 assumed, f_s = 3
 
-f_1 belongs to the x nearest to its aim. U holds the truth in at least 95 of 100 cases.
+f_1 belongs to the x nearest to its aim. U is meant to hold the truth in 95 of 100 cases; how often it does is measured
+(`validation/error_bars.py`).
 """
 
 import math
@@ -27,6 +30,8 @@ from scipy.optimize import minimize_scalar
 ORDERS = (0.5, 2.1)  # of the asymptotic range: the method's own order is 2, shear zones and walls make it less
 FORMAL = 2.0  # order of the method
 SURE, UNSURE = 1.25, 3.0  # factors of safety
+FEWEST = 3  # results that show an order; more are needed to be sure of it
+FIRST, LAST = slice(None, -1), slice(1, None)  # of the results
 ROUND_OFF = 1e-12  # of a value: results that differ by less are the same
 
 
@@ -78,8 +83,11 @@ def _of_three(x: np.ndarray, f: np.ndarray, aim: float, spread: float) -> Limit:
     if deviation >= spread / (len(f) - 1) or not _monotone(f):
         return Limit(last, UNSURE * spread, None, "scattered")
     asymptotic = ORDERS[0] <= observed <= ORDERS[1]
-    rest = abs(value - last)
-    error = (SURE if asymptotic else UNSURE) * rest + deviation + abs(last - fitted)
+    factor = SURE if asymptotic and len(f) > FEWEST else UNSURE
+    least = [abs(_fit(x[-2:], f[-2:], 1.0, aim)[0] - last)]
+    if len(f) > FEWEST:
+        least += [abs(limit(list(x[part]), list(f[part]), aim).value - value) for part in (FIRST, LAST)]
+    error = max(factor * abs(value - last) + deviation + abs(last - fitted), *least)
     return Limit(value, error, observed, "asymptotic" if asymptotic else "outside the asymptotic range")
 
 

@@ -11,7 +11,7 @@ import typer
 from taichi_silo.errors import BadInput
 from taichi_silo.scene import reference, sands
 from taichi_silo.scene.dotted_paths import annotation, is_number, value
-from taichi_silo.scene.fidelity import STANDARD, fidelities, fidelity
+from taichi_silo.scene.fidelity import FIDELITIES, STANDARD
 from taichi_silo.scene.method_options import MethodOptions
 from taichi_silo.scene.scene import Scene
 
@@ -67,7 +67,7 @@ def option(path: str, note: str = "") -> Any:
     words = words.replace("if absent", "if auto" if path == TIME_STEP else "if not given")
     about = (words, f"[{entry.unit}]" if entry.unit else "", f"({entry.limits})" if entry.limits else "")
     if path in OF_FIDELITY:
-        note = f"; {fidelity(STANDARD).settings.get(path, entry.default):g} in {STANDARD} fidelity"
+        note = f"; {entry.default:g} in {STANDARD} fidelity, in a silo of 0.2 m"
     return Annotated[kind_of(path), typer.Option(help=" ".join(filter(None, about)) + note)]
 
 
@@ -132,5 +132,5 @@ LengthFlag = option("averaging.characteristic_length_m")
 WeightFlag = option("averaging.weight")
 ShapeFlag = option("grid.shape")
 FidelityFlag = Annotated[
-    str, typer.Option(help=f"{' | '.join(fidelities())}: cell size and speed where they are not given")
+    str, typer.Option(help=f"{' | '.join(FIDELITIES)}: cell size and speed where they are not given")
 ]

@@ -17,9 +17,8 @@ from taichi_silo.cli.output_flags import (
     QuietFlag,
     YesFlag,
 )
-from taichi_silo.scene.dotted_paths import tables_with
-from taichi_silo.scene.fidelity import STANDARD, Fidelity
-from taichi_silo.scene.fidelity import fidelity as named_fidelity
+from taichi_silo.scene import fidelity as fidelities
+from taichi_silo.scene.dotted_paths import changed, tables_with
 from taichi_silo.scene.sands import sand as named_sand
 from taichi_silo.scene.scene import Scene
 from taichi_silo.utils.console import Console
@@ -68,18 +67,21 @@ def silo_scenario(
     own = list(inspect.signature(adapt).parameters.values())[1:] if adapt else []
 
     def scenario(
-        *, sand: flags.SandFlag = scene.sand.name, fidelity: flags.FidelityFlag = STANDARD,
+        *, sand: flags.SandFlag = scene.sand.name, fidelity: flags.FidelityFlag = fidelities.STANDARD,
         output: OutputFlag = None, overwrite: OverwriteFlag = False, film: FilmFlag = True,
         figures: FiguresFlag = True, explain: ExplainFlag = False, yes: YesFlag = False, quiet: QuietFlag = False,
         json: JsonFlag = False, **values: Any,
     ) -> Path | None:  # fmt: skip
-        chosen, console = named_fidelity(fidelity), Console(quiet, json)
-        tables = _tables(scene, flags.given(values, (*paths, *SHARED)), sand, chosen, (*paths, *SHARED))
+        chosen, console = fidelities.fidelity(fidelity), Console(quiet, json)
+        given = flags.given(values, (*paths, *SHARED))
+        tables = _tables(scene, given, sand)
         if adapt is not None:
             adapt(tables, **{one.name: values[one.name] for one in own})
         wanted = Scene.model_validate(tables)
-        if all(values.get(flags.name_of(path)) is None for path in flags.OF_FIDELITY):
-            console.say(f"Fidelity {fidelity}: {chosen.words()}.")
+        if fidelity != fidelities.STANDARD:  # whose values are a scene's own
+            settings = {path: one for path, one in chosen.values(wanted).items() if path not in given}
+            wanted = changed(wanted, {path: one for path, one in settings.items() if path in (*paths, *SHARED)})
+        console.say(fidelities.told(wanted))
         if explain:
             command_line.explain(wanted)
             return None
@@ -102,22 +104,19 @@ def silo_scenario(
     )
 
 
-def _tables(
-    scene: Scene, given: dict[str, Any], sand: str, fidelity: Fidelity, paths: tuple[str, ...]
-) -> dict[str, Any]:
-    """Tables of a scene with a named sand, and values of flags, which come before those of a fidelity.
+def _tables(scene: Scene, given: dict[str, Any], sand: str) -> dict[str, Any]:
+    """Tables of a scene with a named sand, and values of flags.
 
     Smooth walls without an angle have that of the paper's model silo.
     """
-    settings = {path: one for path, one in fidelity.settings.items() if path in paths} | given
+    settings = dict(given)
     void_ratio, law = settings.pop("sand.void_ratio"), settings.pop("sand.law")
     if settings["walls.kind"] == "smooth" and ANGLE not in settings:
         settings[ANGLE] = model_silo.smooth_angle_deg(void_ratio)
     tables = tables_with(scene, settings) | {"sand": named_sand(sand, void_ratio, law=law).model_dump()}
-    if fidelity is named_fidelity(STANDARD):  # its values are a scene's own, which follow the size of the silo
-        for path in set(fidelity.settings) - set(given):
-            table, name = path.split(".")
-            tables[table].pop(name, None)
+    for path in set(flags.OF_FIDELITY) - set(given):  # they follow the size of the silo
+        table, name = path.split(".")
+        tables[table].pop(name, None)
     if "machine.threads" not in settings:
         del tables["machine"]["threads"]  # those of the default scene, which has other points
     return tables

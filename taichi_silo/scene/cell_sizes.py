@@ -65,10 +65,19 @@ def chosen(silo: "Silo", default_m: float) -> float:
     sizes = dividing(silo, RANGE * max(wanted, across if near else 0.0))
     if near and (np.abs(sizes / default_m - 1.0) < TOLERANCE).any():
         return default_m
-    sizes = sizes[silo.width_m / sizes >= wanted / RANGE]
-    if not len(sizes):
+    fitting = nearest(silo, wanted)
+    if fitting is None:
         return default_m if near else float(f"{silo.width_m / ACROSS:.2g}")
-    return short(silo, float(min(sizes, key=lambda size: abs(math.log(silo.width_m / size / wanted)))))
+    return fitting
+
+
+def nearest(silo: "Silo", across: float) -> float | None:
+    """The size [m] that fits and makes nearest to so many cells across; None if none within a factor of four fits."""
+    sizes = dividing(silo, RANGE * across)
+    sizes = sizes[silo.width_m / sizes >= across / RANGE]
+    if not len(sizes):
+        return None
+    return short(silo, float(min(sizes, key=lambda size: abs(math.log(silo.width_m / size / across)))))
 
 
 def wanted_across(silo: "Silo") -> float:

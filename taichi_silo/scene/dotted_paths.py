@@ -17,7 +17,6 @@ from taichi_silo.utils.messages import near, shown
 from taichi_silo.utils.schema import Options, table_in
 
 MOST_DIGITS = 6  # of the number of an entry in a path
-OUTSIDE = ("precision", "nudge")  # no part of the scene: of the process, and of the start
 
 
 class Place(NamedTuple):
@@ -60,9 +59,9 @@ def annotation(path: str) -> Any:
 
 
 def known(path: str) -> bool:
-    """Whether a path names a value of the scene, or one of `OUTSIDE`."""
+    """Whether a path names a value of the scene."""
     kind = annotation(path)
-    return path in OUTSIDE or (kind is not None and not (isinstance(kind, type) and issubclass(kind, Options)))
+    return kind is not None and not (isinstance(kind, type) and issubclass(kind, Options))
 
 
 def whole(path: str) -> bool:
@@ -87,7 +86,7 @@ def hint(path: str) -> str:
 
 
 def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with values at dotted paths; those of `OUTSIDE` are passed over.
+    """The scene with values at dotted paths.
 
     Raises BadInput if it has no such path; ValidationError if the values are not possible.
     """
@@ -95,7 +94,7 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
 
 
 def tables_with(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of a scene with values at dotted paths, not yet checked; those of `OUTSIDE` are passed over.
+    """The tables of a scene with values at dotted paths, not yet checked.
 
     Raises BadInput if it has no such path.
     """
@@ -105,8 +104,6 @@ def tables_with(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
     for name in scene.flow.chosen:
         del tables["flow"][name]  # so is this
     for path, value in values.items():
-        if path in OUTSIDE:
-            continue
         if not known(path):
             raise BadInput(f"setting is {shown(path)}; a scene has no such value{hint(path)}")
         put(tables, path, value)

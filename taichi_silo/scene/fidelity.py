@@ -1,54 +1,49 @@
-"""Named settings between cheap and accurate, `fidelity.toml`, with what the chart measured of each."""
+"""Named settings between cheap and accurate, in units of the scene, and what the chart measured of each.
 
+A fidelity is a number of cells across the silo and a Froude number of the bottom, v / sqrt(g b), so that it means the
+same in a silo of any size. `measured_errors.toml`, left by `python -m validation.accuracy`, has the errors of each in
+scenes of the model silo; they hold for scenes of the same kind, and for others none are told.
+"""
+
+import math
 import tomllib
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 from taichi_silo.errors import BadInput
-from taichi_silo.utils.schema import Options
+from taichi_silo.scene import cell_sizes
+from taichi_silo.scene.flow import FASTEST_M_PER_S, slow_speed_m_per_s
+from taichi_silo.scene.scene import Scene
 
-FILE = Path(__file__).with_name("fidelity.toml")
+FILE = Path(__file__).with_name("measured_errors.toml")
 STANDARD = "standard"  # the one whose values are the defaults of a scene
+SMOOTH_DEG, ROUGH_DEG = 21.0, 35.0  # friction angles of walls up to which a scene is of the kind "smooth", "rough"
+SHAPES = (1.25, 5.0)  # height over width of scenes like the chart's, which have 2.5
+DENSE = 0.5  # of the way from the densest to the critical void ratio: what is still of the kind "dense"
+SAME = 1e-3  # relative difference of settings that counts as none
 
 
-class Fidelity(Options):
-    """Values at dotted paths of the scene; errors against the chart's reference, and its cost, if they were measured.
+@dataclass(frozen=True)
+class Fidelity:
+    """Cells across a silo, and how many times faster its bottom sinks than where a slower one changes nothing."""
 
-    The errors are those of `validation.accuracy.errors`, relative; the cost is that of the chart's scene
-    [core-seconds].
-    """
+    across: float
+    hurry: float
 
-    settings: dict[str, float | int | str]
-    error_P: float | None = None
-    error_T: float | None = None
-    error_N: float | None = None
-    error_profile: float | None = None
-    error_zone: float | None = None
-    cost_core_seconds: float | None = None
-    reference: str | None = None
-
-    def words(self) -> str:
-        """What was measured, in a sentence."""
-        if self.error_N is None:
-            return "its error has not been measured on this version (make chart does)"
-        forces = ", ".join(f"{name} {100 * getattr(self, f'error_{name}'):.1f} %" for name in "PTN")
-        return f"error {forces} against {self.reference}; {self.cost_core_seconds:.3g} core-seconds in the chart"
+    def values(self, scene: Scene) -> dict[str, float]:
+        """Size of the cells [m] and speed of the bottom [m/s] by their paths, for the silo of a scene."""
+        silo = scene.silo
+        slow = slow_speed_m_per_s(silo.width_m, scene.method.gravity_m_per_s2)
+        across = max(self.across, cell_sizes.wanted_across(silo) * self.across / cell_sizes.ACROSS)
+        cell = cell_sizes.nearest(silo, across) or silo.width_m / across
+        return {"grid.cell_size_m": cell, "flow.speed_m_per_s": min(self.hurry * slow, FASTEST_M_PER_S)}
 
 
-@cache
-def fidelities(file: Path = FILE) -> dict[str, Fidelity]:
-    """The named settings of a file."""
-    tables = tomllib.loads(file.read_text(encoding="utf-8"))
-    return {name: Fidelity.model_validate(table) for name, table in tables.items()}
-
-
-def like(cell_size_m: float, speed_m_per_s: float) -> tuple[str, Fidelity] | None:
-    """The named setting, if any, with these cells and this speed."""
-    for name, one in fidelities().items():
-        wanted = one.settings.get("grid.cell_size_m"), one.settings.get("flow.speed_m_per_s")
-        if wanted == (cell_size_m, speed_m_per_s):
-            return name, one
-    return None
+FIDELITIES = {
+    "draft": Fidelity(20, 4.0), STANDARD: Fidelity(cell_sizes.ACROSS, 1.0), "fine": Fidelity(80, 4.0),
+    "converged": Fidelity(160, 4.0),
+}  # fmt: skip
 
 
 def fidelity(name: str) -> Fidelity:
@@ -56,7 +51,72 @@ def fidelity(name: str) -> Fidelity:
 
     Raises BadInput if there is none.
     """
-    known = fidelities()
-    if name not in known:
-        raise BadInput(f"fidelity is {name}; it must be one of {', '.join(known)}")
-    return known[name]
+    if name not in FIDELITIES:
+        raise BadInput(f"fidelity is {name}; it must be one of {', '.join(FIDELITIES)}")
+    return FIDELITIES[name]
+
+
+def like(scene: Scene) -> str | None:
+    """The name of the setting, if any, whose cells and speed a scene has."""
+    for name, one in FIDELITIES.items():
+        wanted = one.values(scene)
+        own = {"grid.cell_size_m": scene.grid.cell_size_m, "flow.speed_m_per_s": scene.flow.speed_m_per_s}
+        if all(math.isclose(own[path], value, rel_tol=SAME) for path, value in wanted.items()):
+            return name
+    return None
+
+
+def kind(scene: Scene) -> str | None:
+    """The scene of the chart that a scene is like: its walls, how dense its sand is, an outlet; None if like none."""
+    silo, sand, walls = scene.silo, scene.sand, scene.walls
+    shaped = silo.section == "plane" and silo.hopper is None and silo.outline_m is None and not silo.inserts
+    if not shaped or not SHAPES[0] <= silo.height_m / silo.width_m <= SHAPES[1] or scene.flow.outflow == "gravity":
+        return None
+    dense = sand.void_ratio <= sand.e_d0 + DENSE * (sand.e_c0 - sand.e_d0)
+    density = "loose" if sand.loose else "dense" if dense else None
+    angle, limits = walls.friction_angle_deg, {"smooth": SMOOTH_DEG, "rough": ROUGH_DEG}
+    wall = "very-rough" if angle is None else next((name for name, most in limits.items() if angle <= most), None)
+    name = f"{wall} {density}" if silo.floor_is_outlet else f"outlet {density}" if wall == "smooth" else ""
+    return name if name in _all() else None
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Errors of P, T and N at the end over the weight, of a fidelity in scenes of a kind."""
+
+    kind: str
+    P: float
+    T: float
+    N: float
+    known_to: float  # error bar of what they were measured against, the largest
+
+    def words(self) -> str:
+        """In a part of a sentence."""
+        errors = ", ".join(f"{name} {100.0 * getattr(self, name):.2g} %" for name in "PTN")
+        bar = f"{100.0 * self.known_to:.2g} %"
+        return f"errors in scenes like this ({self.kind}): {errors} of the weight, known to ± {bar}"
+
+
+def measured(scene: Scene, name: str) -> Measured | None:
+    """What was measured of a named setting in scenes like this one; None if nothing was."""
+    like_this = kind(scene)
+    found = _all().get(like_this, {}).get(name) if like_this else None
+    return Measured(kind=like_this, **found) if like_this and found else None
+
+
+def told(scene: Scene) -> str:
+    """What a scene's cells and speed are, and what errors they make, in a sentence."""
+    name = like(scene)
+    across = round(scene.silo.width_m / scene.grid.cell_size_m)
+    own = f"{across} cells across"
+    if scene.flow.outflow == "controlled":
+        own = f"{own}, {1e3 * scene.flow.speed_m_per_s:g} mm/s"
+    found = measured(scene, name) if name else None
+    words = found.words() if found else "no errors were measured in scenes like this; taichi-silo converge finds them"
+    return f"Fidelity {name}: {own}; {words}." if name else f"{own[:1].upper()}{own[1:]}; {words}."
+
+
+@cache
+def _all() -> dict[str, dict[str, dict[str, float]]]:
+    """Of each scene of the chart, of each fidelity, the errors."""
+    return tomllib.loads(FILE.read_text(encoding="utf-8"))

@@ -5,7 +5,7 @@ The first are said before a run starts and kept in its summary: each is a cell o
 """
 
 from taichi_silo.mpm.shapes import SHAPES
-from taichi_silo.scene.fidelity import like
+from taichi_silo.scene.fidelity import like, measured
 from taichi_silo.scene.flow import slow_speed_m_per_s
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.symmetry import SLENDER
@@ -86,13 +86,10 @@ def of_results(scene: Scene) -> list[str]:
             "The largest wall stresses between very rough walls, and which wall has them beside an eccentric outlet, "
             "depend on the floor's friction, too."
         )
-    named = like(cell, speed) if rough and not free else None
-    if named and named[1].error_N is not None:
-        found.append(
-            f"Cells and speed are those of the fidelity {named[0]}. In the silo of 0.2 m × 0.5 m with dense sand it "
-            f"errs by {named[1].error_P:.0%} in P, {named[1].error_T:.1%} in T, {named[1].error_N:.1%} in N and "
-            f"{named[1].error_profile:.0%} in the wall stresses, against {named[1].reference}."
-        )
+    named = like(scene)
+    told = measured(scene, named) if named else None
+    if told:
+        found.append(f"Cells and speed are those of the fidelity {named}; {told.words()}.")
     if scene.averaging.kernel(scene.sand, scene.spacing_m)[0] is None:
         found.append(
             f"The law has no length of its own on this grid: shear zones are one to two cells ({1e3 * cell:g} to "

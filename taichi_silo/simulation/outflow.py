@@ -3,17 +3,23 @@
 The next interval follows from the clock and the points, so the flow can be left at a record and gone on with.
 """
 
+import math
+
+import numpy as np
+
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.clock import OPENED, Clock, Interval
 from taichi_silo.simulation.model import Model
 
 RAMP_PERIODS = 5  # the bottom reaches its speed over so many periods, or longer:
-GENTLY = 0.01  # of gravity, its largest acceleration; it takes as much off the weight that the sand rests with
+GENTLY = 0.01  # of gravity, its largest acceleration; with the drag of the noise control it takes 0.02 off the weight
 SHORT, LANDING = 0.5, 0.6  # of an interval and of a time step in free outflow: sand that lands is stiff at once
 LONGER = 1.05  # at most, a step against that of the interval before: where sand has landed, more will
 REACH = 0.35  # of a cell: by more, no sand may pass the exit within an interval
-AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
+AT_REST_S = 0.25  # without outflow, after which a free flow has stopped; longer by the root of a mass scaling
+STEEPEST = 1.5  # largest slope of the start, over its mean
+PARTS = 1001  # of the start, in which its displacement is looked up
 
 
 def duration(scene: Scene, period: float) -> float:
@@ -21,13 +27,24 @@ def duration(scene: Scene, period: float) -> float:
     flow = scene.flow
     if flow.outflow == "gravity":
         return flow.longest_s
-    return flow.displacement_m / flow.speed_m_per_s + 0.5 * start(scene, period)
+    begun, steady = start(scene, period), flow.displacement_m / flow.speed_m_per_s
+    if steady >= 0.5 * begun:
+        return steady + 0.5 * begun
+    part = np.linspace(0.0, 1.0, PARTS)
+    return begun * float(np.interp(steady / begun, part**3 - 0.5 * part**4, part))
+
+
+def reached_m_per_s(scene: Scene) -> float:
+    """The speed up to which the bottom of a scene has reached it within half of the displacement."""
+    method = scene.method
+    gently = GENTLY * method.gravity_m_per_s2 / method.mass_scaling
+    return math.sqrt(scene.flow.displacement_m * gently / STEEPEST)
 
 
 def start(scene: Scene, period: float) -> float:
     """Time in which the bottom or the gate of a column with this period reaches its speed [s]."""
     method = scene.method
-    gently = 1.5 * scene.flow.speed_m_per_s * method.mass_scaling / (GENTLY * method.gravity_m_per_s2)
+    gently = STEEPEST * scene.flow.speed_m_per_s * method.mass_scaling / (GENTLY * method.gravity_m_per_s2)
     return max(RAMP_PERIODS * period, gently)
 
 
@@ -70,7 +87,7 @@ def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None
         or clock.time >= clock.flow_start + flow.longest_s
         or clock.displacement >= flow.displacement_m
         or not model.particles.number
-        or clock.time - clock.left_at >= AT_REST_S
+        or clock.time - clock.left_at >= AT_REST_S * math.sqrt(model.scene.method.mass_scaling)
     ):
         return None
     reach = REACH * model.scene.grid.cell_size_m

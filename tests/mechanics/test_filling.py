@@ -1,10 +1,11 @@
 """Sand that is filled in by its growing weight is loaded steadily, so that it ends where the law alone brings it."""
 
+import numpy as np
 import pytest
 
 from taichi_silo import Averaging, Flow, Machine, Mesh, Method, Scene, Walls, named_sand, run
 from taichi_silo.simulation.filling import grown
-from taichi_silo.simulation.outflow import start
+from taichi_silo.simulation.outflow import duration, start
 from validation.error_bars import compressed
 
 
@@ -34,9 +35,19 @@ def test_the_weight_and_its_rate_grow_without_a_jump():
 
 
 @pytest.mark.parametrize("speed", [0.002, 0.02, 0.2])
-def test_the_start_of_the_bottom_takes_no_more_than_a_hundredth_off_the_weight(speed):
+def test_the_bottom_starts_with_a_hundredth_of_gravity_at_most(speed):
     scene = Scene(flow=Flow(speed_m_per_s=speed))
     period = 0.02
     accelerations = [6.0 * part * (1.0 - part) * speed / start(scene, period) for part in (0.25, 0.5, 0.75)]
     assert max(accelerations) <= 0.0101 * 9.81
     assert start(scene, period) >= 5.0 * period
+
+
+@pytest.mark.parametrize(("speed", "scaling"), [(0.002, 1.0), (0.02, 1.0), (0.2, 1.0), (0.032, 100.0)])
+def test_the_flow_lasts_as_long_as_its_bottom_needs_for_the_way(speed, scaling):
+    """Also where the way ends before the bottom has its speed: the integral of the speed is the displacement."""
+    scene = Scene(flow=Flow(speed_m_per_s=speed, displacement_m=0.002), method=Method(mass_scaling=scaling))
+    whole, begun = duration(scene, 0.02), start(scene, 0.02)
+    part = np.clip(np.linspace(0.0, whole, 100_001) / begun, 0.0, 1.0)
+    way = np.trapezoid(speed * part**2 * (3.0 - 2.0 * part), dx=whole / 100_000)
+    assert way == pytest.approx(0.002, rel=1e-3)

@@ -14,8 +14,9 @@ from taichi_silo.errors import BadInput
 from taichi_silo.runs.cost_estimate import Cost
 from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.scene.scene import Machine, Scene
+from taichi_silo.simulation import outflow
 from taichi_silo.studies.converge.estimate import estimate
-from taichi_silo.studies.converge.ladder import LEAST_FINER, MOST_FINER, Ladder
+from taichi_silo.studies.converge.ladder import LEAST_FINER, MOST_FINER, Ladder, Rung
 from taichi_silo.studies.converge.plan import Plan, seconds, share
 from taichi_silo.studies.converge.quantities import Quantity, words
 from taichi_silo.studies.converge.study import Study
@@ -204,3 +205,15 @@ def test_no_time_for_a_step_is_said_with_the_budget_that_would_do(tmp_path, monk
     monkeypatch.setattr(Study, "costs", lambda *_: {"one": Cost(1000, 1000, 300.0)})
     study.run()
     assert not study.numbers and re.search(r"takes about 5.1 min, .* --budget 6min goes on", study.ended)
+
+
+@pytest.mark.parametrize(("displacement", "scaling"), [(0.02, 1.0), (0.002, 1.0), (0.005, 100.0)])
+def test_the_bottom_reaches_every_speed_of_a_ladder_within_half_of_its_way(displacement, scaling):
+    """Else runs at several speeds would all be runs of the start."""
+    one = ladder(flow__displacement_m=displacement, method__mass_scaling=scaling)
+    for speed in one.speeds[:-1]:
+        rung = one.made(Rung(one.cell(1), one.length(1), speed))
+        assert 0.5 * speed * outflow.start(rung, 0.0) <= 0.5 * displacement * (1.0 + 1e-9)
+    slow = 6.1e-3 * math.sqrt(9.81 * 0.2 / scaling)
+    assert SCENE.flow.speed_m_per_s <= one.speed_m_per_s
+    assert one.speed_m_per_s <= slow or one.speeds == [SCENE.flow.speed_m_per_s]

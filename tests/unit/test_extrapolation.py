@@ -18,7 +18,24 @@ def test_results_of_one_power_of_the_cell_give_their_limit_and_their_order(order
     assert found.value == pytest.approx(5.0, abs=2e-4 * abs(values[-1] - 5.0) + 1e-9)
     assert found.order == pytest.approx(order, abs=0.01)
     assert found.trust == "asymptotic"
-    assert found.error == pytest.approx(1.25 * abs(values[-1] - 5.0), rel=0.02)
+    assert found.error == pytest.approx(3.0 * abs(values[-1] - 5.0), rel=0.02), "three results may agree by chance"
+
+
+@pytest.mark.parametrize("order", [0.5, 1.0, 1.5, 2.0])
+def test_four_results_of_one_power_have_the_small_factor_and_no_less_than_first_order(order):
+    sizes = [*CELLS, 0.005]
+    values = [5.0 + 3.0 * h**order for h in sizes]
+    found, rest = limit(sizes, values), abs(values[-1] - 5.0)
+    first_order = abs(values[-1] - values[-2]) * sizes[-1] / (sizes[-2] - sizes[-1])
+    assert found.error == pytest.approx(max(1.25 * rest, first_order), rel=0.02)
+
+
+def test_a_limit_that_moves_with_each_further_result_is_not_believed_beyond_that():
+    """Two powers of the cell that cancel: the order looks good, the limits of the first and the last three differ."""
+    sizes = 0.02 / 2.0 ** np.arange(4)
+    values = [0.3 * (h / 0.02) ** 0.5 - 0.25 * (h / 0.02) ** 2 for h in sizes]
+    found, first, last = limit(sizes, values), limit(sizes[:3], values[:3]), limit(sizes[1:], values[1:])
+    assert found.error >= max(abs(first.value - found.value), abs(last.value - found.value)) - 1e-12
 
 
 def test_an_order_beyond_that_of_the_method_is_not_believed():

@@ -1,6 +1,7 @@
 """Scenes from files: what is left out, named or misspelt; template, page and schema; fidelities and single changes."""
 
 import json
+import math
 
 import pytest
 import tomli_w
@@ -12,7 +13,8 @@ from taichi_silo.errors import BadInput
 from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.scene import reference, sands
 from taichi_silo.scene.dotted_paths import changed, known, value
-from taichi_silo.scene.fidelity import fidelities, fidelity
+from taichi_silo.scene.fidelity import FIDELITIES, fidelity, like
+from taichi_silo.scene.flow import FROUDE
 from taichi_silo.scene.published_sands import published
 from taichi_silo.scene.scene import Flow, Mesh, Scene, Walls
 from taichi_silo.scene.scene_files import read_scene
@@ -159,18 +161,25 @@ def test_in_the_template_another_name_is_another_sand(read, name):
 
 
 def test_a_setting_changes_its_own_value_and_no_other():
-    scene = changed(Scene(), {"flow.speed_m_per_s": 0.005, "precision": "f32"})
+    scene = changed(Scene(), {"flow.speed_m_per_s": 0.005})
     assert value(scene, "flow.speed_m_per_s") == 0.005
     assert scene == Scene(flow={"speed_m_per_s": 0.005})
-    assert not known("flow.colour") and not known("flow") and known("nudge")
+    assert not known("flow.colour") and not known("flow")
     with pytest.raises(BadInput, match=r"setting is flow\.colour"):
         changed(Scene(), {"flow.colour": 1.0})
 
 
-def test_every_fidelity_that_comes_along_makes_a_scene_and_others_are_refused():
-    assert list(fidelities()) == ["draft", "standard", "converged"]
-    points = [changed(Scene(), one.settings).points for one in fidelities().values()]
-    assert points == sorted(points)
-    assert changed(Scene(), fidelity("standard").settings) == Scene(), "the default"
-    with pytest.raises(BadInput, match="fidelity is perfect; it must be one of draft, standard, converged"):
+def test_every_fidelity_makes_a_scene_of_any_size_and_others_are_refused():
+    """Cells across and the Froude number of the bottom are the same in a model silo and in one of 6 m × 20 m."""
+    assert list(FIDELITIES) == ["draft", "standard", "fine", "converged"]
+    for silo in ({}, {"width_m": 6.0, "height_m": 20.0}, {"outlet": {"width_m": 0.08}}):
+        scene = Scene(silo=Silo(**silo))
+        made = {name: changed(scene, one.values(scene)) for name, one in FIDELITIES.items()}
+        assert made["standard"] == scene, "the default"
+        assert [like(one) for one in made.values()] == list(FIDELITIES)
+        across = [one.silo.width_m / one.grid.cell_size_m for one in made.values()]
+        assert across == pytest.approx([20, 40, 80, 160], rel=0.06)
+        froude = [one.flow.speed_m_per_s / math.sqrt(9.81 * one.silo.width_m) for one in made.values()]
+        assert froude == pytest.approx([FROUDE * one.hurry for one in FIDELITIES.values()], rel=0.06)
+    with pytest.raises(BadInput, match="fidelity is perfect; it must be one of draft, standard, fine, converged"):
         fidelity("perfect")

@@ -91,7 +91,7 @@ def test_a_grid_is_every_combination_of_an_inline_scene():
     assert [scene.silo.outlet and scene.silo.outlet.width_m for scene in found.values()] == [None, None, 0.08, 0.08]
     for scene in found.values():
         assert (scene.sand.granular_hardness_Pa, scene.sand.void_ratio, scene.walls.kind) == (1000e6, 0.7, "smooth")
-        assert scene.flow.speed_m_per_s == 0.02 and scene.machine.threads == 1
+        assert scene.flow.speed_m_per_s == 0.008 and scene.machine.threads == 1
 
 
 def test_a_scene_and_a_sand_are_found_beside_the_sweeps_file(tmp_path):
@@ -152,7 +152,7 @@ def test_flags_stand_for_a_file():
     plan = line(vary=["filling.kind=rain,layers"], fidelity="draft", film=True, jobs=1)
     assert list(plan.scenes()) == ["filling-rain", "filling-layers"]
     assert plan.film and plan.cluster == Local(jobs=1)
-    assert {scene.flow.speed_m_per_s for scene in plan.scenes().values()} == {0.02}
+    assert {scene.flow.speed_m_per_s for scene in plan.scenes().values()} == {0.008}
     assert line(vary=["sand=hostun"], slurm=True).cluster == Slurm()
     assert line(vary=["sand=hostun"], scheduler="tcp://a:1").cluster == Scheduler(address="tcp://a:1")
 
@@ -187,7 +187,7 @@ def test_flags_stand_for_a_file():
         ('[cluster]\nkind = "pbs"', "cluster.kind is pbs; it must be one of local, slurm, scheduler"),
         ('[cluster]\nkind = "slurm"\nwall_time = "1"', "cluster.wall_time is .*; did you mean cluster.walltime?"),
         ('[cluster]\nkind = "scheduler"', "cluster.address is missing; it must be given"),
-        ('fidelity = "fine"\n[grid]\nfilling.layers = [2]', "fidelity is fine; it must be one of draft"),
+        ('fidelity = "best"\n[grid]\nfilling.layers = [2]', "fidelity is best; it must be one of draft"),
     ],
 )  # fmt: skip
 def test_what_is_not_possible_is_refused_in_a_sentence(text, sentence):

@@ -1,75 +1,92 @@
-"""The chart as a table: one row a setting, with what it costs and how wrong it is."""
+"""The chart as a table: what each run costs, how far it is from the truth of its scene, and the Pareto front.
+
+Errors of forces are over the weight of the sand, of the wall stress over the largest of its profile, of the thickness
+of the zone over itself, as `taichi_silo.studies.converge.quantities` has it.
+"""
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 
+import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike, NDArray
 
-from taichi_silo.scene.dotted_paths import OUTSIDE, value
-from validation.accuracy.errors import ERRORS, errors, pareto_front, scatter
-from validation.accuracy.plan import REFERENCE, ChartRow
+from taichi_silo.studies.converge.quantities import Quantity
 
-CERTIFICATE = (
-    "inertial_number_99th_percentile",
-    "noise_of_normal_force",
-    "largest_kinetic_energy_over_work",
-    "mean_void_ratio_drift",
-    "core_strain_path",
-    "unexplained_densification",
-    "force_balance_residual_over_weight",
-    "noise_control_force_over_weight_99th_percentile",
-    "settled_before_flow",
-)
-COST = ("points", "steps", "time_step_s", "predicted_steps", "predicted_core_seconds")
+FORCES = ("P_residual", "T_residual", "N_residual")
+MEASURES = {
+    "P_filled": "P filled", "T_filled": "T filled", "N_filled": "N filled", "P_residual": "P", "T_residual": "T",
+    "N_residual": "N", "pressure_residual_0.5": "wall stress", "zone_thickness": "zone",
+}  # fmt: skip
+WORST = "forces"  # the largest error of P, T and N at the end
 
 
-def chart(planned: list[ChartRow], found: dict[str, dict], paths: list[str]) -> pd.DataFrame:
-    """Rows of `chart.csv`.
+@dataclass(frozen=True)
+class Truth:
+    """A quantity of a scene: value, half the width of the band that holds it, unit, and what errors are told over."""
+
+    value: float
+    error: float
+    unit: str
+    scale: float  # nan for the value itself
+
+    @property
+    def measure(self) -> float:
+        """What errors are told over."""
+        return abs(self.value if math.isnan(self.scale) else self.scale)
+
+    @property
+    def relative_error(self) -> float:
+        """The error bar over its measure."""
+        return self.error / self.measure
+
+
+def errors(found: Mapping[str, Quantity], truth: Mapping[str, Truth]) -> dict[str, float]:
+    """Of a run against the numbers of its scene, by the name of the measure; nan where there is nothing to compare."""
+    result = {measure: _error(found.get(name), truth.get(name)) for name, measure in MEASURES.items()}
+    return {WORST: max(result[MEASURES[name]] for name in FORCES)} | result
+
+
+def _error(one: Quantity | None, truth: Truth | None) -> float:
+    if one is None or truth is None:
+        return math.nan
+    return abs(one.value - truth.value) / truth.measure
+
+
+def bars(truth: Mapping[str, Truth]) -> dict[str, float]:
+    """Error bars of the truth itself, over the same measures."""
+    result = {measure: truth[name].relative_error if name in truth else math.nan for name, measure in MEASURES.items()}
+    return {WORST: max(result[MEASURES[name]] for name in FORCES)} | result
+
+
+def front(cost: ArrayLike, error: ArrayLike) -> NDArray:
+    """Which runs are on the Pareto front: no other is as good in cost and error and better in one.
 
     Parameters
     ----------
-    planned : all rows; those without numbers are left out.
-    found : what `parameter_set.simulate` returned, by the key of the parameter set.
-    paths : dotted paths of all varied settings, whose values become columns.
+    cost, error : (n,) of each run; one with a nan is never on the front.
 
     Returns
     -------
-    walls, dial, setting, purpose; one column a path; cost_core_seconds and what makes it up; errors; on_front (of
-    error_N against cost, among one pair of walls); residual forces [N/m]; the quasi-static certificate; the reference's
-    settings in words, and the failure, if there is one. The column `dial` names what is varied.
+    (n,) booleans.
 
     """
-    reference = {e.walls: (found.get(e.parameters.key), e.setting) for e in planned if e.varied == REFERENCE}
-    rows = []
-    for entry in planned:
-        run = found.get(entry.parameters.key)
-        truth, name = reference[entry.walls]
-        if run is None:
-            continue
-        row = {"walls": entry.walls, "dial": entry.varied, "setting": entry.setting, "purpose": entry.purpose}
-        for path in paths:
-            row[path] = value(entry.parameters if path in OUTSIDE else entry.parameters.scene, path)
-        cost = run["cost"]
-        row |= {"cost_core_seconds": cost["core_seconds"]} | {name: cost[name] for name in COST}
-        row["nanoseconds_per_particle_step"] = 1e9 * cost["core_seconds"] / max(cost["points"] * cost["steps"], 1)
-        row |= errors(run, truth) if truth else dict.fromkeys(ERRORS, math.nan)
-        row |= {f"residual_{force}_N_per_m": run.get("residual", {}).get(force, math.nan) for force in "PTN"}
-        row |= {measure: run.get("certificate", {}).get(measure, math.nan) for measure in CERTIFICATE}
-        row |= {"reference": name, "failure": run["failure"] or "", "key": entry.parameters.key}
-        rows.append(row)
-    table = pd.DataFrame(rows)
-    on_front = pd.Series(False, index=table.index)
-    for _, some in table[~table.key.isin(table.key[table.dial == REFERENCE])].groupby("walls"):
-        once = some.drop_duplicates("key")
-        best = once.key[pareto_front(once.cost_core_seconds, once.error_N)]
-        on_front[some.index] = some.key.isin(best)
-    table.insert(table.columns.get_loc("error_zone") + 1, "on_front", on_front)
-    return table
+    cost, error = np.asarray(cost, float), np.asarray(error, float)
+    sound = np.isfinite(cost) & np.isfinite(error)
+    chosen = np.zeros(len(cost), bool)
+    best = np.inf
+    for k in np.lexsort((error, cost)):  # by cost, equal costs by error
+        if sound[k] and (error[k] < best or (chosen & (cost == cost[k]) & (error == error[k])).any()):
+            chosen[k], best = True, error[k]
+    return chosen
 
 
-def floors(planned: list[ChartRow], found: dict[str, dict]) -> pd.DataFrame:
-    """Rows of `scatter.csv`: for each pair of walls the errors between runs that differ by rounding only."""
-    rows = []
-    for walls in dict.fromkeys(entry.walls for entry in planned):
-        keys = dict.fromkeys(e.parameters.key for e in planned if e.walls == walls and e.varied == "rounding")
-        rows.append({"walls": walls} | scatter([found[key] for key in keys if key in found]))
-    return pd.DataFrame(rows)
+def with_front(rows: pd.DataFrame) -> pd.DataFrame:
+    """The rows with `on_front`, of the largest error of the forces at the end, in each scene."""
+    best = pd.Series(False, index=rows.index)
+    for _, some in rows.groupby("scene"):
+        once = some.drop_duplicates("run")
+        runs = once["run"][front(once["core_seconds"], once[WORST])]
+        best |= (rows["scene"] == some["scene"].iloc[0]) & rows["run"].isin(runs)
+    return rows.assign(on_front=best)

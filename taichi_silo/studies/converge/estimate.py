@@ -35,7 +35,7 @@ class Number:
     def relative(self) -> float:
         """The error over its measure."""
         measure = self.value if math.isnan(self.scale) else self.scale
-        return self.error / abs(measure) if measure else math.inf
+        return self.error / abs(measure) if measure else math.inf if self.error else 0.0
 
     @property
     def decisive(self) -> str:

@@ -19,13 +19,14 @@ from taichi_silo.errors import BadInput
 from taichi_silo.scene import cell_sizes
 from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.scene.scene import Scene
+from taichi_silo.simulation import outflow
 
 FEWEST_ACROSS = 10  # cells across the silo, on the coarsest grid
 FEWEST_IN_OPENING = 4  # cells across an outlet or the mouth of a hopper, likewise
 FEWEST_IN_BODY = 2  # cells across an insert, likewise
 FINER, LEAST_FINER, MOST_FINER = 1.6, 1.3, 2.2  # ratio of the cells of a step to those of the next, as ASME V&V 20 asks
 MOST_ACROSS = 2000  # cells
-SLOW = 6e-3  # v / sqrt(g b) below which the bottom may run: 8 mm/s in a silo of 0.2 m
+SLOW = 6e-3  # v / sqrt(g b) below which the bottom may run: 8 mm/s in a silo of 0.2 m (inertia scales masses, too)
 FASTER = 2.0  # ratio of speeds
 SPEEDS = 3  # of the bottom, where they count
 SPEED_STEP = 1  # of the ladder, at which the bottom has several speeds
@@ -66,9 +67,13 @@ class Ladder:
 
     @cached_property
     def speed_m_per_s(self) -> float:
-        """Speed of the bottom in the main runs: the scene's own, doubled as often as sand still follows slowly."""
-        own, flow = self.scene.flow.speed_m_per_s, self.scene.flow
-        most = SLOW * math.sqrt(self.scene.method.gravity_m_per_s2 * self.scene.silo.width_m)
+        """Speed of the bottom in the main runs: the scene's own, doubled as often as sand still follows slowly.
+
+        Also the highest speed must be reached long before the end.
+        """
+        own, flow, method = self.scene.flow.speed_m_per_s, self.scene.flow, self.scene.method
+        slow = SLOW * math.sqrt(method.gravity_m_per_s2 * self.scene.silo.width_m / method.mass_scaling)
+        most = min(slow, outflow.reached_m_per_s(self.scene) / FASTER ** (SPEEDS - 1))
         if flow.outflow == "gravity" or own >= most:
             return own
         return own * FASTER ** math.floor(math.log(most / own, FASTER) + 1e-9)

@@ -74,10 +74,14 @@ class Sweep(Options):
             found = dict(zip([""], found.values(), strict=True)) if len(found) == 1 else found
         if not self.paths and len(found) == 1:
             raise BadInput("nothing varies; a sweep needs a table grid or latin_hypercube, --vary, or several scenes")
-        if self.fidelity is not None:
-            chosen = fidelities.fidelity(self.fidelity).settings
-            found = {name: changed(scene, chosen) for name, scene in found.items()}
-        return scenes(found, self._varied())
+        made_of = scenes(found, self._varied())
+        if self.fidelity is None:
+            return made_of
+        chosen = fidelities.fidelity(self.fidelity)
+        return {
+            name: changed(scene, {path: one for path, one in chosen.values(scene).items() if path not in self.paths})
+            for name, scene in made_of.items()
+        }
 
     def _varied(self) -> dict[str, dict]:
         if self.latin_hypercube is None:

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.run_folder import named, parameters
 from taichi_silo.scene import sands
-from taichi_silo.scene.dotted_paths import OUTSIDE, changed, default, hint, known
+from taichi_silo.scene.dotted_paths import changed, default, hint, known
 from taichi_silo.scene.scene import Machine, Scene
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.utils.messages import shown
@@ -52,7 +52,7 @@ def refuse(path: str) -> None:
     """Refuse a path that cannot vary; raises BadInput if the scene has no such path, or its value is not for that."""
     if path in REFUSED:
         raise BadInput(f"{path} varies; {REFUSED[path]}")
-    if path != SAND and (not known(path) or path in OUTSIDE):
+    if path != SAND and not known(path):
         raise BadInput(f"{shown(path)} varies; a scene has no such value{hint(path) or ', every one is in a run.toml'}")
 
 

@@ -1,0 +1,76 @@
+"""What is turned, one dial at a time about the base of all scenes, and the named settings of `taichi-silo`."""
+
+from taichi_silo.scene.fidelity import FIDELITIES, fidelity
+from taichi_silo.scene.scene import Scene
+from validation.accuracy.scenes import CELL, LENGTH, SPEED, Settings
+
+BASE_DIAL, FINE, SLOW, OF_VERY_ROUGH, NAMED = "base", "fine cells", "bottom speed", "walls in the mean", "fidelity"
+SPEEDS = (0.016, 0.008, 0.004, 0.002)
+TYPICAL = ("smooth dense", "very-rough dense")  # scenes in which every part of the method is varied
+UNITS = {"_m_per_s": (1e3, " mm/s"), "_m": (1e3, " mm")}
+
+
+def _values(path: str, *values, **others) -> list[Settings]:
+    shared = {name.replace("__", "."): value for name, value in others.items()}
+    return [{path: value} | shared for value in values]
+
+
+def _lengths(cell: float, *shares: float) -> list[Settings]:
+    return [{CELL: cell, LENGTH: share * cell} for share in shares]
+
+
+GRIDS_M = {  # of the runs from which the truth of a scene is extrapolated; thin shear zones need fine ones
+    "very-rough": (0.0025, 0.002, 0.2 / 130), "outlet": (0.004, 0.0025, 0.002), "": (0.01, 0.005, 0.0025),
+}  # fmt: skip
+DIALS: dict[str, list[Settings]] = {
+    "cells of a local law": _values(CELL, 0.02, 0.01, 0.005),
+    "cells as long as the law": [one for cell in (0.02, 0.01, 0.005, 0.0025) for one in _lengths(cell, 1.0)],
+    "length on 10 mm cells": _lengths(0.01, 0.5, 1.0, 2.0),
+    SLOW: _values(SPEED, *SPEEDS),
+    "points a cell": _values("grid.points_per_cell", 1, 4, **{LENGTH.replace(".", "__"): 0.01}),
+    OF_VERY_ROUGH: _values("averaging.wall", "ignored", "rigid", **{LENGTH.replace(".", "__"): 0.01}),
+}
+METHOD: dict[str, list[Settings]] = {
+    "shape": _values("grid.shape", "linear", "ugimp", "cpgimp", "cpdi", "bspline"),
+    "transfer": _values("method.transfer", "flip", "pic", "blend", "gradient", "apic", "xpic"),
+    "stress update": _values("method.stress_update", "last", "first", "modified"),
+    "filter": _values("method.stress_filter", "patch", "none", "null-space"),
+    "time step": _values("method.cfl", 0.14, 0.27, 0.41),
+    "mass scaling": _values("method.mass_scaling", 1.0, 4.0, 16.0, 100.0),
+    "noise control": _values("method.noise_control", "column", "none"),
+    "law": _values("sand.law", "gudehus-bauer", "intergranular"),
+}
+
+
+def settings(setting: Settings, scene: Scene) -> Settings:
+    """The values of a setting in a scene, those of a named one included."""
+    if "fidelity" in setting:
+        return dict(fidelity(str(setting["fidelity"])).values(scene))
+    return setting
+
+
+def dials() -> dict[str, list[Settings]]:
+    """All dials; the first is the base, the last the named settings."""
+    named: list[Settings] = [{"fidelity": name} for name in FIDELITIES]
+    return {BASE_DIAL: [{}], FINE: [], **DIALS, **METHOD, NAMED: named}
+
+
+def turned(dial: str, scene: str) -> list[Settings]:
+    """The settings of a dial in a scene; none where it has no meaning, or is measured in others of its kind."""
+    if dial == OF_VERY_ROUGH and "very-rough" not in scene or dial in METHOD and scene not in TYPICAL:
+        return []
+    if dial == FINE:
+        return _values(CELL, *next(grids for kind, grids in GRIDS_M.items() if kind in scene))
+    return dials()[dial]
+
+
+def words(setting: Settings) -> str:
+    """A setting in a few words, such as `2 mm/s`."""
+    return ", ".join(_word(path, value) for path, value in setting.items()) or "all as it is"
+
+
+def _word(path: str, value) -> str:
+    if isinstance(value, str):
+        return value
+    factor, unit = next((pair for ending, pair in UNITS.items() if path.endswith(ending)), (1.0, ""))
+    return f"{factor * value:.4g}{unit}"
