@@ -7,16 +7,16 @@ from validation.accuracy.scenes import CELL, LENGTH, SPEED, Settings
 BASE_DIAL, FINE, SLOW, OF_VERY_ROUGH, NAMED = "base", "fine cells", "bottom speed", "walls in the mean", "fidelity"
 SPEEDS = (0.016, 0.008, 0.004, 0.002)
 TYPICAL = ("smooth dense", "very-rough dense")  # scenes in which every part of the method is varied
+MEANS = "averaging.means"  # by a grid, which a half model allows
 UNITS = {"_m_per_s": (1e3, " mm/s"), "_m": (1e3, " mm")}
 
 
-def _values(path: str, *values, **others) -> list[Settings]:
-    shared = {name.replace("__", "."): value for name, value in others.items()}
-    return [{path: value} | shared for value in values]
+def _values(path: str, *values) -> list[Settings]:
+    return [{path: value} for value in values]
 
 
 def _lengths(cell: float, *shares: float) -> list[Settings]:
-    return [{CELL: cell, LENGTH: share * cell} for share in shares]
+    return [{CELL: cell, LENGTH: share * cell, MEANS: "grid"} for share in shares]
 
 
 GRIDS_M = {  # of the runs from which the truth of a scene is extrapolated; thin shear zones need fine ones
@@ -27,8 +27,8 @@ DIALS: dict[str, list[Settings]] = {
     "cells as long as the law": [one for cell in (0.02, 0.01, 0.005, 0.0025) for one in _lengths(cell, 1.0)],
     "length on 10 mm cells": _lengths(0.01, 0.5, 1.0, 2.0),
     SLOW: _values(SPEED, *SPEEDS),
-    "points a cell": _values("grid.points_per_cell", 1, 4, **{LENGTH.replace(".", "__"): 0.01}),
-    OF_VERY_ROUGH: _values("averaging.wall", "ignored", "rigid", **{LENGTH.replace(".", "__"): 0.01}),
+    "points a cell": _values("grid.points_per_cell", 1, 4),
+    OF_VERY_ROUGH: [{"averaging.wall": wall} | _lengths(0.01, 1.0)[0] for wall in ("ignored", "rigid")],
 }
 METHOD: dict[str, list[Settings]] = {
     "shape": _values("grid.shape", "linear", "ugimp", "cpgimp", "cpdi", "bspline"),
@@ -66,7 +66,7 @@ def turned(dial: str, scene: str) -> list[Settings]:
 
 def words(setting: Settings) -> str:
     """A setting in a few words, such as `2 mm/s`."""
-    return ", ".join(_word(path, value) for path, value in setting.items()) or "all as it is"
+    return ", ".join(_word(path, value) for path, value in setting.items() if path != MEANS) or "all as it is"
 
 
 def _word(path: str, value) -> str:
