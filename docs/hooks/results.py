@@ -6,7 +6,6 @@ command that makes it in its first line.
 
 import html
 import re
-import tomllib
 from pathlib import Path
 
 import jinja2
@@ -135,18 +134,21 @@ def verdicts() -> dict[str, int]:
 
 
 def fidelities() -> str:
-    """The named settings with their errors and cost."""
-    known = tomllib.loads((ROOT / "taichi_silo" / "scene" / "fidelity.toml").read_text(encoding="utf-8"))
+    """The named settings in each scene of the chart: largest error of P, T and N over the weight, and cost."""
+    rows, truth = read("chart.csv"), read("truth.csv")
     body = []
-    for name, one in known.items():
-        settings = one["settings"]
-        size, speed = (1e3 * settings[path] for path in ("grid.cell_size_m", "flow.speed_m_per_s"))
-        errors = [f"{100 * one[f'error_{k}']:.3g} %" if f"error_{k}" in one else "–" for k in
-                  ("P", "T", "N", "profile", "zone")]  # fmt: skip
-        cost = f"{one['cost_core_seconds']:.3g}" if "cost_core_seconds" in one else "–"
-        body.append([f"`{name}`", f"{size:g} mm", f"{speed:g} mm/s", *errors, cost])
-    heads = ["`--fidelity`", "cells", "speed", "P", "T", "N", "wall stress", "zones", "core-seconds"]
-    return lines(heads, body)
+    for scene in dict.fromkeys(rows["scene"]):
+        some = rows[(rows["scene"] == scene) & (rows["dial"] == "fidelity")]
+        bars = truth[(truth["scene"] == scene) & truth["quantity"].isin(["P_residual", "T_residual", "N_residual"])]
+        cells = [f"{percent(row.forces)} · {float(row.core_seconds):.3g} s" if row.forces else "–"
+                 for row in some.itertuples()]  # fmt: skip
+        body.append([scene, *cells, f"± {percent(bars['relative_error'].astype(float).max())}"])
+    return lines(["scene", *dict.fromkeys(rows[rows["dial"] == "fidelity"]["setting"]), "known to"], body)
+
+
+def percent(value: str | float) -> str:
+    """A share as a percentage of two digits."""
+    return f"{100.0 * float(value):.2g} %"
 
 
 def command(name: str) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.laws.integrate import LOCAL_ERROR
 from taichi_silo.mpm.shapes import SHAPES
+from taichi_silo.scene import fidelity
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.stress_filter import filter_of
 from taichi_silo.scene.symmetry import half_model
@@ -43,6 +44,7 @@ def parts(scene: Scene) -> list[Part]:
     """The decisions for a scene; Taichi has been started."""
     period = period_of(scene)
     return [
+        accuracy(scene),
         cell_size(scene),
         outflow(scene),
         intergranular_strain(scene),
@@ -65,6 +67,20 @@ def _on(choice: bool) -> str:
 
 def _sentence(words: str) -> str:
     return words[:1].upper() + words[1:]
+
+
+def accuracy(scene: Scene) -> Part:
+    """What was measured of cells and speed in scenes of this kind."""
+    own, others = fidelity.like(scene), []
+    for name in fidelity.FIDELITIES:
+        found = fidelity.measured(scene, name)
+        if found is not None:
+            others.append(f"{name} {100.0 * max(found.P, found.T, found.N):.2g} %")
+    because = "No errors were measured in scenes like this; taichi-silo converge finds them."
+    if others:
+        kind = fidelity.kind(scene)
+        because = f"Largest errors of P, T and N over the weight in scenes like this ({kind}): {', '.join(others)}."
+    return Part("accuracy", own or "of its own", because, "--fidelity")
 
 
 def cell_size(scene: Scene) -> Part:
@@ -120,6 +136,7 @@ def intergranular_strain(scene: Scene) -> Part:
 def non_local_average(scene: Scene) -> Part:
     """Off where a point's own weight is nearly 1."""
     kernel, because = scene.averaging.kernel(scene.sand, scene.spacing_m)
+    because += fidelity.change(scene, "non-local average")
     return Part("non-local average", _on(kernel is not None), because, "--characteristic-length")
 
 

@@ -10,6 +10,7 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from taichi_silo.errors import BadInput
 from taichi_silo.scene import cell_sizes
@@ -42,7 +43,7 @@ class Fidelity:
 
 FIDELITIES = {
     "draft": Fidelity(20, 4.0), STANDARD: Fidelity(cell_sizes.ACROSS, 1.0), "fine": Fidelity(80, 4.0),
-    "converged": Fidelity(160, 4.0),
+    "converged": Fidelity(130, 4.0),
 }  # fmt: skip
 
 
@@ -77,7 +78,7 @@ def kind(scene: Scene) -> str | None:
     angle, limits = walls.friction_angle_deg, {"smooth": SMOOTH_DEG, "rough": ROUGH_DEG}
     wall = "very-rough" if angle is None else next((name for name, most in limits.items() if angle <= most), None)
     name = f"{wall} {density}" if silo.floor_is_outlet else f"outlet {density}" if wall == "smooth" else ""
-    return name if name in _all() else None
+    return name if name in _all()["errors"] else None
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ class Measured:
 def measured(scene: Scene, name: str) -> Measured | None:
     """What was measured of a named setting in scenes like this one; None if nothing was."""
     like_this = kind(scene)
-    found = _all().get(like_this, {}).get(name) if like_this else None
+    found = _all()["errors"].get(like_this, {}).get(name) if like_this else None
     return Measured(kind=like_this, **found) if like_this and found else None
 
 
@@ -116,7 +117,18 @@ def told(scene: Scene) -> str:
     return f"Fidelity {name}: {own}; {words}." if name else f"{own[:1].upper()}{own[1:]}; {words}."
 
 
+def change(scene: Scene, part: str) -> str:
+    """What a part of the method changes in scenes like this one, in a sentence; empty if that was not measured."""
+    like_this = kind(scene)
+    found = _all()["changes"].get(like_this, {}).get(part) if like_this else None
+    if found is None:
+        return ""
+    return (
+        f" In scenes like this ({like_this}) it changes P, T and N at the end by {100.0 * found:.2g} % of the weight."
+    )
+
+
 @cache
-def _all() -> dict[str, dict[str, dict[str, float]]]:
-    """Of each scene of the chart, of each fidelity, the errors."""
+def _all() -> dict[str, dict[str, dict[str, Any]]]:
+    """ "errors" of each scene of the chart, of each fidelity; "changes" of each scene, by each part of the method."""
     return tomllib.loads(FILE.read_text(encoding="utf-8"))

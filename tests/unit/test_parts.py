@@ -31,7 +31,7 @@ def decided(**tables):
 def test_the_list_has_a_choice_and_a_number_for_every_part():
     found = parts(Scene())
     assert [part.part for part in found] == [
-        "cell size", "outflow",
+        "accuracy", "cell size", "outflow",
         "intergranular strain", "non-local average", "half model", "stress sub-stepping", "stress filter",
         "particle domains", "wall friction solve", "noise control", "output", "inactive cells", "sand at rest",
     ]  # fmt: skip

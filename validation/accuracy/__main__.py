@@ -64,7 +64,8 @@ def chart(
             content.to_csv(passing, index=False, float_format="%.6g")
         console.say(str(output / name))
     with atomic_write.written(output / "measured_errors.toml") as passing:
-        passing.write_text(tomli_w.dumps(study.of_fidelities(frame, told)), encoding="utf-8")
+        tables = {"errors": study.of_fidelities(frame, told), "changes": study.of_changes(rows)}
+        passing.write_text(tomli_w.dumps(tables), encoding="utf-8")
     with rc_context(STYLE):
         bars = {name: table.bars(truth)[table.WORST] for name, truth in told.items()}
         error_figure(frame, bars).savefig(output / "error_cost.png")

@@ -10,9 +10,12 @@ from pathlib import Path
 import pandas as pd
 
 from taichi_silo.analysis.extrapolation import limit
+from taichi_silo.runs.cost_estimate import rehearse
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import parameters
+from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.scene.scene import Scene
+from taichi_silo.simulation.simulation import Simulation
 from taichi_silo.studies.converge.estimate import CARRIED
 from taichi_silo.studies.converge.quantities import quantities
 from taichi_silo.studies.sweep.runs import Run
@@ -71,20 +74,48 @@ def truth(rows: list[Row], scene: str) -> dict[str, Truth]:
     return found
 
 
+def pace(scene: Scene) -> float:
+    """Processor seconds of one core for a point and step of a scene's formulas, on the cells of the base."""
+    larger = float(scenes.BASE[scenes.CELL]) / scene.grid.cell_size_m
+    length = larger * scene.averaging.length_m(scene.sand)
+    plain = changed(scene, {path: scenes.BASE[path] for path in (scenes.CELL, scenes.SPEED)} | {scenes.LENGTH: length})
+    plain.machine.start()
+    return rehearse(Simulation(plain)) / Simulation(plain).model.particles.count
+
+
 def rows(wanted: list[Row], truths: dict[str, dict[str, Truth]]) -> pd.DataFrame:
-    """The chart: scene, dial, setting, run, cost, errors, whether it is on the front, and why a run failed."""
+    """The chart: scene, dial, setting, run, cost, errors, whether it is on the front, and why a run failed.
+
+    The cost is that of an idle core: steps and points of the run at the pace of its formulas, however busy the machine
+    was.
+    """
     found, kept = [], {}
+    paces: dict[tuple, float] = {}
     for row in wanted:
         folder = row.run.folder
         summary = row.run.summary
         line: dict[str, object] = {"scene": row.scene, "dial": row.dial, "setting": row.setting, "run": folder.name}
-        line["core_seconds"] = summary.get("cost", {}).get("seconds")
+        formulas = _formulas(row.run.scene)
+        if formulas not in paces:
+            paces[formulas] = pace(row.run.scene)
+        cost = summary.get("cost", {})
+        line["core_seconds"] = paces[formulas] * cost.get("points", math.nan) * cost.get("steps", math.nan)
         if row.run.finished and folder not in kept:
             kept[folder] = table.errors(quantities(Result(folder)), truths[row.scene])
         line |= kept.get(folder, {})
         line["failure"] = "" if row.run.finished else summary.get("failure") or "not run"
         found.append(line)
     return table.with_front(pd.DataFrame(found))
+
+
+def _formulas(scene: Scene) -> tuple:
+    """What decides over the seconds of a point and step."""
+    method, grid, kernel = scene.method, scene.grid, scene.averaging.kernel(scene.sand, scene.spacing_m)[0]
+    walls = scene.walls.kind, scene.silo.outlet is None
+    return (
+        grid.shape, grid.points_per_cell, method.transfer, method.stress_update, method.stress_filter,
+        method.noise_control, scene.sand.law, kernel is not None, scene.averaging.wall, *walls,
+    )  # fmt: skip
 
 
 def known(truths: dict[str, dict[str, Truth]]) -> pd.DataFrame:
@@ -97,10 +128,27 @@ def known(truths: dict[str, dict[str, Truth]]) -> pd.DataFrame:
 
 
 def of_fidelities(rows: pd.DataFrame, truths: dict[str, dict[str, Truth]]) -> dict[str, dict[str, dict[str, float]]]:
-    """Of each scene and named setting the errors of P, T and N at the end, for `taichi_silo.scene.fidelity`."""
+    """Of each scene, for `taichi_silo.scene.measured_errors`: errors of the named settings, and what parts change.
+
+    Errors are of P, T and N at the end over the weight, with the bar of what they are measured against; a change is
+    the largest of the three between two settings of `dials.CHANGES`.
+    """
     found: dict[str, dict[str, dict[str, float]]] = {}
     for row in rows[(rows["dial"] == dials.NAMED) & rows[table.WORST].notna()].to_dict("records"):
         known_to = table.bars(truths[row["scene"]])[table.WORST]
         told = {force: row[force] for force in "PTN"} | {"known_to": known_to}
         found.setdefault(row["scene"], {})[row["setting"]] = {name: float(f"{one:.2g}") for name, one in told.items()}
+    return found
+
+
+def of_changes(rows: list[Row]) -> dict[str, dict[str, float]]:
+    """Of each scene by how much of the weight a part of the method changes P, T or N at the end, at most."""
+    found: dict[str, dict[str, float]] = {}
+    for scene in dict.fromkeys(row.scene for row in rows):
+        runs = {(row.dial, row.setting): row.run for row in rows if row.scene == scene}
+        for part, (one, other) in dials.CHANGES.items():
+            if one in runs and other in runs:
+                first, second = (quantities(Result(runs[which].folder)) for which in (one, other))
+                change = max(abs(first[name].value - second[name].value) / first[name].scale for name in table.FORCES)
+                found.setdefault(scene, {})[part] = float(f"{change:.2g}")
     return found
