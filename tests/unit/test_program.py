@@ -100,7 +100,8 @@ def test_a_flag_of_scenarios_is_refused_for_a_file_with_what_does_the_same(said,
     file.write_text(TINY)
     code, out, err = said("run", file, *words)
     assert (code, out) == (2, "")
-    assert err == f"Error: {words[-2 if len(words) > 1 else 0].split('=')[0]} is a flag of scenarios, and this is a scene file; give {right}.\n"
+    flag = words[-2 if len(words) > 1 else 0].split("=")[0]
+    assert err == f"Error: {flag} is a flag of scenarios, and this is a scene file; give {right}.\n"
 
 
 def test_every_flag_of_a_silo_scenario_is_one_of_a_scene_file_or_names_its_path(said, tmp_path):

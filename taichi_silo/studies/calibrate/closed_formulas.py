@@ -12,6 +12,7 @@ import numpy as np
 
 from taichi_silo.studies.calibrate.lab_tests import Laboratory, Oedometer, Triaxial
 from taichi_silo.studies.calibrate.paths import Law
+from taichi_silo.utils.messages import counted
 
 USUAL = {  # where no test says anything: about the middle of the published sands
     "critical_friction_angle_deg": 32.0, "granular_hardness_Pa": 1.5e9, "n": 0.3, "e_c0": 0.9, "alpha": 0.15,
@@ -42,7 +43,9 @@ def first_guess(lab: Laboratory) -> dict[str, Guess]:
     found["beta"] = Guess(USUAL["beta"], "usual of sands; no two oedometer tests of different density", True)
     plain = {name: one.value for name, one in found.items()}
     if peaks := [value for test in lab.triaxials if (value := alpha_of_peak(test, plain)) is not None]:
-        found["alpha"] = Guess(float(np.clip(np.median(peaks), 0.03, 0.6)), f"peaks of {len(peaks)} triaxial tests")
+        found["alpha"] = Guess(
+            float(np.clip(np.median(peaks), 0.03, 0.6)), f"peaks of {counted(len(peaks), 'triaxial test')}"
+        )
     plain["alpha"] = found["alpha"].value
     if (value := beta_of_stiffness(lab.oedometers, plain)) is not None:
         found["beta"] = Guess(value, "stiffness of the loosest and the densest oedometer test")
@@ -66,7 +69,10 @@ def compression(lab: Laboratory, phi_deg: float) -> dict[str, Guess]:
     The mean stress follows from K0 = 1 - sin phi_c (Jaky). For a given n the curve is a straight line over p^n.
     """
     if not lab.oedometers:
-        return {name: Guess(USUAL[name], "usual of sands; no oedometer test", True) for name in ("granular_hardness_Pa", "n")}
+        return {
+            name: Guess(USUAL[name], "usual of sands; no oedometer test", True)
+            for name in ("granular_hardness_Pa", "n")
+        }
     test = max(lab.oedometers, key=lambda one: one.void_ratio[0])
     p = test.stress_Pa[test.loading] * (1.0 + 2.0 * jaky(phi_deg)) / 3.0
     log_e = np.log(test.void_ratio[test.loading])

@@ -54,7 +54,9 @@ class _Search:
         self.low, self.high = np.concatenate([LOW, -free]), np.concatenate([HIGH, free])
         self.scale = np.concatenate([SPAN, free])
 
-    def nearest(self, start: np.ndarray, exact: float, most: int, kept: tuple[str, ...] = ()) -> tuple[float, np.ndarray]:
+    def nearest(
+        self, start: np.ndarray, exact: float, most: int, kept: tuple[str, ...] = ()
+    ) -> tuple[float, np.ndarray]:
         """Half the sum of squares, and the unknowns where it is least; kept ones are as at the start."""
         self.number += 1
         moving = np.array([name not in kept for name in NAMES] + [True] * len(self.problem.spread))

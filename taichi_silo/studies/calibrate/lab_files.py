@@ -45,10 +45,13 @@ def read_laboratory(folder: Path) -> Laboratory:
     found = sorted(folder.iterdir()) if folder.is_dir() else [folder]
     files = [one for one in found if one.suffix.lower() in ENDINGS and not one.name.startswith(".")]
     if not files and not folder.is_dir():
-        raise BadInput(f"lab {folder} is not a table: it must be a file {', '.join(ENDINGS)}, or a folder of such files")
+        raise BadInput(
+            f"lab {folder} is not a table: it must be a file {', '.join(ENDINGS)}, or a folder of such files"
+        )
     if not files or len(files) > MOST_FILES:
         raise BadInput(
-            f"lab {folder} has {counted(len(files), 'table')}; it must have 1 to {MOST_FILES} files {', '.join(ENDINGS)}"
+            f"lab {folder} has {counted(len(files), 'table')}; it must have 1 to {MOST_FILES} files "
+            f"{', '.join(ENDINGS)}"
         )
     oedometers, triaxials, index = [], [], IndexTests()
     remarks = [f"{one.name} is passed over; save it as CSV" for one in found if one.suffix.lower() in SHEETS]

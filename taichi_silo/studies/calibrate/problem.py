@@ -144,9 +144,7 @@ def _compressions(tests: list[Oedometer], law: Any, shifts: np.ndarray) -> tuple
     return len(path.control), found
 
 
-def _shearings(
-    tests: list[Triaxial], law: Any, shifts: np.ndarray, first: int
-) -> tuple[int, list[MeasuredCurve]]:
+def _shearings(tests: list[Triaxial], law: Any, shifts: np.ndarray, first: int) -> tuple[int, list[MeasuredCurve]]:
     """First loading of triaxial tests, q over its largest value, after the steps; the first has this number."""
     ends = np.array([[min(0.0, test.strain[0]), test.strain.max()] for test in tests]).T
     e = np.array([[test.void_ratio] for test in tests]) + shifts

@@ -85,8 +85,12 @@ class Calibration:
     @property
     def sand_text(self) -> str:
         """The sand file; remarks stand at values that no test determines."""
-        remarks = {name: f"first value, {self.guess[name].source}: the tests do not determine it" for name in self.fit.kept}
-        remarks |= {name: "usual of sands: no test says it" for name in USUAL if not getattr(self.laboratory.index, name)}
+        remarks = {
+            name: f"first value, {self.guess[name].source}: the tests do not determine it" for name in self.fit.kept
+        }
+        remarks |= {
+            name: "usual of sands: no test says it" for name in USUAL if not getattr(self.laboratory.index, name)
+        }
         lines = tomli_w.dumps(self.sand).splitlines()
         names = [line.split(" = ")[0] for line in lines]
         return "".join(
@@ -106,7 +110,9 @@ class Calibration:
         if fit.rank < len(SHOWN):
             found.append(f"The tests determine {fit.rank} of {len(SHOWN)} directions of the constants.")
         if not fit.settled:
-            found.append("The search was ended before it had settled: the law does not come near the tests; look at them.")
+            found.append(
+                "The search was ended before it had settled: the law does not come near the tests; look at them."
+            )
         for name in SHOWN:
             if name in fit.kept:
                 found.append(f"{SYMBOLS[name]} is not determined: {SAND} keeps {self._first(name)}.")

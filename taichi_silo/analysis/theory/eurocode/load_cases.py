@@ -3,9 +3,9 @@
 Each symmetrical load stands twice: with the values of table 3.1 for the largest pressure, and with those for the
 largest friction; pressure and friction of one case belong together, and carry the weight with the solid below. A patch
 is added to the case of largest pressure; it is pressure only, and takes away no more than is there: a solid does not
-pull at a wall (as far as could be confirmed the clauses do not say it). The envelope takes the largest of each over all cases and
-angles, and places of a patch that may stand anywhere. The angle is 0 in the middle of a patch or of a flow channel, on
-the side of the outlet.
+pull at a wall (as far as could be confirmed the clauses do not say it). The envelope takes the largest of each over all
+cases and angles, and places of a patch that may stand anywhere. The angle is 0 in the middle of a patch or of a flow
+channel, on the side of the outlet.
 """
 
 from collections.abc import Callable
