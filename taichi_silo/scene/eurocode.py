@@ -83,7 +83,7 @@ class Eurocode(Options):
             not ratio * inside * math.tan(math.radians(solid["angle_of_repose_deg"])) < 1.0
         ):  # else h0 may reach z0 (5.3)
             raise ValueError(
-                f"eurocode.pressure_ratio is {solid['pressure_ratio']:g}; with its factor, the internal friction and the "
+                f"eurocode.pressure_ratio is {solid['pressure_ratio']:g}; with its factor, internal friction and "
                 f"angle of repose K tan(phi_i) tan(phi_r) must be below 1, and is {ratio * inside:.3g} times tan(phi_r)"
             )
         return self

@@ -215,7 +215,7 @@ def test_a_search_without_end_is_ended_and_said(monkeypatch):
     lab = Laboratory(whole.oedometers, [], whole.index)
     fit = fitted(lab, first_guess(lab))
     assert not fit.settled
-    assert fit.evaluations < 12
+    assert fit.evaluations < 20  # some 50 without an end
 
 
 def test_a_path_takes_no_more_than_so_many_steps():
@@ -317,7 +317,6 @@ def test_what_cannot_be_calibrated_is_refused_before_anything_is_written(tmp_pat
         (None, "no such folder"),
         ({}, "0 tables"),
         ({"a.csv": "angle of repose [deg]\n33\n"}, "has no curve"),
-        ({"tiny.toml": "a = 1\n"}, "0 tables"),
         ({"a.csv": "time [s],load [N]\n1,2\n"}, "a.csv has the columns time [s], load [N]; it must have axial stress"),
     ):
         if files is not None:

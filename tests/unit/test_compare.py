@@ -217,7 +217,7 @@ def test_depths_are_heights_below_the_surface_of_the_silo(runs, tmp_path):
         ("displacement_mm,P_kN_per_m\n1,inf\n", ["line 2", "inf", "number"]),
         ('displacement_mm,P_kN_per_m\n1,"1,234"\n', ["line 2", "1,234", "without a comma"]),
         ("displacement_mm,P_kN_per_m\n0,5,1,2\n", ["line 2", "4 values", "2", "semicolons"]),
-        ("displacement_mm;P_kN_per_m\n1\n", ["line 2", "1 values", "2"]),
+        ("displacement_mm;P_kN_per_m\n1\n", ["line 2", "1 value;", "2"]),
         ("displacement_mm,P_kN_per_m\n,2\n", ["empty displacement_m"]),
         ("displacement_mm,P_kN_per_m\n", ["no rows"]),
         ("displacement_mm,,P_kN_per_m\n1,2,3\n", ["without a name"]),

@@ -155,7 +155,7 @@ def _judged(problem: Problem, x: np.ndarray, kept: tuple[str, ...], settled: boo
     entangled = [
         (NAMES[i], NAMES[j], float(correlation[i, j]))
         for i in range(count) for j in range(i)
-        if abs(correlation[i, j]) > ENTANGLED and not {NAMES[i], NAMES[j]} & set(kept)
+        if abs(correlation[i, j]) > ENTANGLED and not {NAMES[i], NAMES[j]} <= set(kept)
     ]  # fmt: skip
     edge = 1e-3 * SPAN
     ends = [NAMES[k] for k in range(count) if not LOW[k] + edge[k] < x[k] < HIGH[k] - edge[k]]
