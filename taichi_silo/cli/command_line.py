@@ -14,6 +14,7 @@ from taichi_silo.utils import streams
 from taichi_silo.utils.bounded_reading import place
 from taichi_silo.utils.console import Console
 from taichi_silo.utils.machine_faults import of_machine
+from taichi_silo.utils.messages import counted
 from taichi_silo.utils.messages import sentence as in_one_line
 
 BAD_INPUT, FAILED, STOPPED = 2, 1, 130
@@ -136,8 +137,8 @@ def _print_file(text: str) -> None:
     streams.heard()
 
 
-def explain(scene) -> None:
-    """Say which parts of the method a scene uses, and why."""
+def explain(scene, flag_words: Callable[[str], str] = str) -> None:
+    """Say which parts of the method a scene uses, and why; the words for flags as another function has them."""
     from rich import box
     from rich.console import Console as RichConsole
     from rich.table import Table
@@ -149,8 +150,20 @@ def explain(scene) -> None:
     for column in ("part", "choice", "because", "overruled by"):
         table.add_column(column)
     for part in parts(scene):
-        table.add_row(part.part, part.choice, part.because, part.flag or "–")
+        table.add_row(part.part, part.choice, part.because, flag_words(part.flag) or "–")
     RichConsole(width=None if sys.stdout.isatty() else 132, highlight=False).print(table)
+
+
+def check(scene, name: str, console: Console) -> None:
+    """Say that a scene is possible, and what it will cost."""
+    from taichi_silo.runs import cost_estimate
+
+    points = counted(scene.points, "point")
+    console.say(f"{name} is a possible scene: {points}, {scene.weight_N_per_m:.4g} N/m of sand")
+    cost = cost_estimate.before_start(scene)
+    console.say(cost.words())
+    told = {"points": scene.points, "steps": cost.steps, "seconds": cost.seconds}
+    console.result({"scene": scene.model_dump(mode="json")} | told)
 
 
 def tell(folder: Path, console: Console | None = None) -> None:

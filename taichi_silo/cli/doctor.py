@@ -21,6 +21,7 @@ from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls, c
 from taichi_silo.scene.silo import Silo
 from taichi_silo.show.film.encoder import encode
 from taichi_silo.simulation.simulation import Simulation
+from taichi_silo.utils.messages import counted
 
 LEAST_FREE = 1e9  # bytes, for a few runs
 BALANCE = 1e-9  # of the weight, which the self-test must not miss
@@ -54,7 +55,7 @@ def _language() -> Finding:
         runtime.init("cpu", 1)
     except Exception as error:  # noqa: BLE001 - whatever keeps it from starting is the finding
         return Finding(name, False, f"does not start: {error}")
-    return Finding(name, True, f"starts; {cores()} cores")
+    return Finding(name, True, f"starts; {counted(cores(), 'core')}")
 
 
 def _vector_unit() -> Finding:

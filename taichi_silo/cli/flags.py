@@ -2,8 +2,9 @@
 
 import functools
 import inspect
+import re
 import typing
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Annotated, Any
 
 import typer
@@ -14,6 +15,7 @@ from taichi_silo.scene.dotted_paths import annotation, is_number, value
 from taichi_silo.scene.fidelity import FIDELITIES, STANDARD
 from taichi_silo.scene.method_options import MethodOptions
 from taichi_silo.scene.scene import Scene
+from taichi_silo.utils.messages import shown
 
 ENTRIES = {entry.path: entry for entry in reference.entries()}
 NAMES = {  # of flags that are not called as the last part of their path
@@ -36,6 +38,44 @@ def name_of(path: str) -> str:
     if path in NAMES or last != "kind":
         return NAMES.get(path, last.removesuffix("_" + _unit_suffix(last)))
     return last if is_number(tables[-1]) else tables[-1]  # the kind of the walls is --walls
+
+
+@functools.cache
+def paths_of_flags() -> dict[str, str]:
+    """Flags of scenarios, such as `--cell-size`, and the paths of the values of a scene that they set."""
+    found = {"--sand": "sand.name", "--hopper-angle": "silo.hopper.half_angle_deg"}
+    for path in ENTRIES:
+        found.setdefault(f"--{name_of(path).replace('_', '-')}", path)
+    return found
+
+
+def for_scene_file(words: str, own: Iterable[str]) -> str:
+    """Words on flags of scenarios as words on `--set`, where a scene file has no such flag of its own."""
+    path = paths_of_flags().get
+
+    def instead(flag: re.Match) -> str:
+        return flag[0] if flag[0] in own or path(flag[0]) is None else f"--set {path(flag[0])}="
+
+    return re.sub(r"--[a-z-]+", instead, words).replace("= ", "=")
+
+
+def refuse_flags_of_scenarios(words: Sequence[str], own: Iterable[str]) -> None:
+    """Refuse a flag that scenarios have and a scene file has not, with the `--set` that does the same.
+
+    Raises BadInput.
+    """
+    for number, word in enumerate(words):
+        flag, equals, given = word.partition("=")
+        path = paths_of_flags().get(flag)
+        if flag in own or not (path or flag == "--fidelity"):
+            continue
+        if not equals and number + 1 < len(words) and not words[number + 1].startswith("--"):
+            given = words[number + 1]
+        if path is None:
+            right = " and ".join(f"--set {one}=..." for one in (OF_FIDELITY[0], OF_FIDELITY[2]))
+        else:
+            right = f"--set {path}={shown(given) if given else '...'}"
+        raise BadInput(f"{flag} is a flag of scenarios, and this is a scene file; give {right}")
 
 
 def _unit_suffix(name: str) -> str:

@@ -24,3 +24,4 @@ SlurmFlag = Annotated[bool, typer.Option("--slurm", help="do the runs in jobs of
 ExplainFlag = Annotated[
     bool, typer.Option("--explain", help="print which parts of the method the scene uses, and why, and stop")
 ]
+CheckFlag = Annotated[bool, typer.Option("--check", help="only say whether the scene is possible, and its cost")]

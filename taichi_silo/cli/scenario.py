@@ -8,6 +8,7 @@ from typing import Any
 from taichi_silo import api
 from taichi_silo.cli import command_line, flags, model_silo
 from taichi_silo.cli.output_flags import (
+    CheckFlag,
     ExplainFlag,
     FiguresFlag,
     FilmFlag,
@@ -36,7 +37,7 @@ SHARED = (  # by all scenarios of a silo
     *flags.METHOD,
 )  # fmt: skip
 RUN = [  # parameters of all, no values
-    "sand", "fidelity", "output", "overwrite", "film", "figures", "explain", "yes", "quiet", "json",
+    "sand", "fidelity", "output", "overwrite", "film", "figures", "explain", "check", "yes", "quiet", "json",
 ]  # fmt: skip
 NOTES = {ANGLE: "; {dense:g} for dense and {loose:g} for loose sand if not given".format(**model_silo.SMOOTH_ANGLE_DEG)}
 
@@ -69,8 +70,8 @@ def silo_scenario(
     def scenario(
         *, sand: flags.SandFlag = scene.sand.name, fidelity: flags.FidelityFlag = fidelities.STANDARD,
         output: OutputFlag = None, overwrite: OverwriteFlag = False, film: FilmFlag = True,
-        figures: FiguresFlag = True, explain: ExplainFlag = False, yes: YesFlag = False, quiet: QuietFlag = False,
-        json: JsonFlag = False, **values: Any,
+        figures: FiguresFlag = True, explain: ExplainFlag = False, check: CheckFlag = False, yes: YesFlag = False,
+        quiet: QuietFlag = False, json: JsonFlag = False, **values: Any,
     ) -> Path | None:  # fmt: skip
         chosen, console = fidelities.fidelity(fidelity), Console(quiet, json)
         given = flags.given(values, (*paths, *SHARED))
@@ -84,6 +85,9 @@ def silo_scenario(
         console.say(fidelities.told(wanted))
         if explain:
             command_line.explain(wanted)
+            return None
+        if check:
+            command_line.check(wanted, "This", console)
             return None
         from taichi_silo.cli.long_runs import permission
         from taichi_silo.runs import run_folder  # not needed to show the flags

@@ -24,6 +24,7 @@ from taichi_silo.simulation import filling, outflow
 from taichi_silo.simulation.discretise import period_of, wave_speed_of
 from taichi_silo.simulation.model import Model
 from taichi_silo.simulation.simulation import STEP_SAFETY, Simulation
+from taichi_silo.utils.messages import counted
 
 SETTLING_PERIODS = 5.0  # until the wall force rests, with noise control
 FILLED = {"smooth": 1.15, "very-rough": 1.04}  # greatest wave speed over that at half the height, after filling
@@ -57,7 +58,8 @@ class Cost:
     def words(self) -> str:
         """What it is, in a line."""
         long = "" if self.seconds >= HOUR_S else " minutes"
-        return f"{self.points:,} points, about {self.steps:,} steps: some {clock(self.seconds)}{long} of stepping"
+        size = f"{counted(self.points, 'point')}, about {counted(self.steps, 'step')}"
+        return f"{size}: some {clock(self.seconds)}{long} of stepping"
 
     @property
     def nanoseconds(self) -> float:

@@ -1,7 +1,7 @@
 """What EN 1991-4 needs to know of a silo beside its shape: the stored solid, the wall, the class."""
 
 import math
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
@@ -15,6 +15,8 @@ Category = Literal["D1", "D2", "D3", "D4"]
 
 class Eurocode(Options):
     """EN 1991-4, computed beside a run: the stored solid of its table E.1, which need not be the simulated sand."""
+
+    WITH_TABLE: ClassVar[bool] = True  # `wall` and `solid` alone could be anything
 
     solid: str = Field("sand", max_length=100, description="a solid of table E.1, `taichi-silo eurocode --solids`")
     wall: Category | None = Field(
@@ -59,7 +61,11 @@ class Eurocode(Options):
         key = name.strip().lower().replace(" ", "-").replace("_", "-")
         if key not in published():
             meant = near(key, published())
-            hint = f"; did you mean {meant}?" if meant else f"; it must be one of {', '.join(published())}"
+            hint = (
+                f"; did you mean {meant}? All: taichi-silo eurocode --solids"
+                if meant
+                else f"; it must be one of {', '.join(published())}"
+            )
             raise ValueError(f"eurocode.solid is {shown(name)}{hint}")
         return key
 
@@ -68,15 +74,17 @@ class Eurocode(Options):
         solid = self.stored
         lower, upper = (solid[f"{end}_weight_density_N_per_m3"] for end in ("lower", "upper"))
         if not lower <= upper:
-            raise ValueError(f"lower_weight_density_N_per_m3 is {lower:g}; it must be at most the upper one, {upper:g}")
+            raise ValueError(
+                f"eurocode.lower_weight_density_N_per_m3 is {lower:g}; it must be at most the upper one, {upper:g}"
+            )
         inside = math.tan(math.radians(solid["internal_friction_angle_deg"] / solid["internal_friction_factor"]))
         ratio = solid["pressure_ratio"] * solid["pressure_ratio_factor"]
         if (
             not ratio * inside * math.tan(math.radians(solid["angle_of_repose_deg"])) < 1.0
         ):  # else h0 may reach z0 (5.3)
             raise ValueError(
-                f"pressure_ratio is {solid['pressure_ratio']:g}; with its factor, the internal friction and the angle "
-                f"of repose K tan(phi_i) tan(phi_r) must be below 1, and is {ratio * inside:.3g} times tan(phi_r)"
+                f"eurocode.pressure_ratio is {solid['pressure_ratio']:g}; with its factor, internal friction and "
+                f"angle of repose K tan(phi_i) tan(phi_r) must be below 1, and is {ratio * inside:.3g} times tan(phi_r)"
             )
         return self
 

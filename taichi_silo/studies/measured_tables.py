@@ -9,7 +9,7 @@ from pathlib import Path
 
 from taichi_silo.errors import BadInput
 from taichi_silo.utils import bounded_reading
-from taichi_silo.utils.messages import shown
+from taichi_silo.utils.messages import counted, shown
 
 LARGEST, MOST_COLUMNS = 20_000_000, 100  # bytes of a file
 REMARK = re.compile(r"^\s*(#|%|//)")  # begin of a line that is no row
@@ -113,7 +113,7 @@ def read_table(file: Path, units: Mapping[str, Units] | None = None, needed: str
     for number, row in zip(numbers, rows, strict=True):
         if len(row) < len(heads) or any(row[len(heads) :]):
             hint = "" if separator != "," else "; numbers with decimal commas need semicolons between columns"
-            raise BadInput(f"{file}, line {number}, has {len(row)} values; it must have {len(heads)}{hint}")
+            raise BadInput(f"{file}, line {number}, has {counted(len(row), 'value')}; it must have {len(heads)}{hint}")
     return MeasuredTable(
         file, heads, list(names), list(found), list(zip(numbers, rows, strict=True)), remarks, separator
     )

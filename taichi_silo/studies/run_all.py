@@ -6,6 +6,7 @@ from taichi_silo.errors import RunFailed
 from taichi_silo.runs.run_folder import writable
 from taichi_silo.scene.scene import cores
 from taichi_silo.studies.sweep.runs import Run, simulate
+from taichi_silo.utils.messages import counted
 
 
 def run_all(runs: dict[str, Run], output: Path) -> None:
@@ -20,4 +21,4 @@ def run_all(runs: dict[str, Run], output: Path) -> None:
     writable(output)
     failures = simulate(missing, cores())
     for name, why in failures.items():
-        raise RunFailed(f"in {len(failures)} of {len(runs)} runs, the first of them '{name}': {why}")
+        raise RunFailed(f"in {len(failures)} of {counted(len(runs), 'run')}, the first of them '{name}': {why}")

@@ -1,7 +1,9 @@
 """How a command speaks: for a person, for nobody, or for a script that reads JSON."""
 
+import contextlib
 import json
 import sys
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -36,6 +38,16 @@ class Console:
 
         terminal = self.terminal
         return Progress(console=terminal, transient=True, disable=self.quiet or not terminal.is_terminal)
+
+    @contextlib.contextmanager
+    def status(self, words: str) -> Iterator[Callable[[str], None]]:
+        """A line that says how far a work is, and vanishes at its end; it takes new words, on a terminal only."""
+        terminal = self.terminal
+        if self.quiet or not terminal.is_terminal:
+            yield lambda words: None
+            return
+        with terminal.status(words) as line:
+            yield line.update
 
     def say(self, *lines: str) -> None:
         """Tell a person."""

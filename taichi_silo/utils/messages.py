@@ -29,6 +29,11 @@ def sentence(text: str, most: int = LONGEST) -> str:
     return text if len(text) <= most else f"{text[:half]} ... {text[-half:]}"
 
 
+def counted(count: int, what: str) -> str:
+    """A number and its noun, with an s unless it is one."""
+    return f"{count:,} {what}{'' if count == 1 else 's'}"
+
+
 def near(word, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     """The known word that is most like a word; None if none is."""
     if not isinstance(word, str) or len(word) > LONGEST_MATCHED:

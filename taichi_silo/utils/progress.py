@@ -7,6 +7,8 @@ from rich.console import Console as RichConsole
 from rich.progress import BarColumn, TextColumn
 from rich.progress import Progress as Bar
 
+from taichi_silo.utils.messages import counted
+
 SAID_EVERY = 0.05  # of the whole, where no terminal shows a bar
 
 
@@ -73,4 +75,4 @@ class Progress:
 
     @property
     def _words(self) -> str:
-        return f"{len(self.ends)} of {len(self.parts)} runs, {self.left_s / 60:.1f} min left"
+        return f"{len(self.ends)} of {counted(len(self.parts), 'run')}, {self.left_s / 60:.1f} min left"

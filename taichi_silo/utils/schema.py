@@ -3,7 +3,7 @@
 import types
 import typing
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
@@ -24,6 +24,7 @@ class Options(BaseModel):
     """A group of parameters: frozen, finite, true and false are no numbers, and no unknown names."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    WITH_TABLE: ClassVar[bool] = False  # whether sentences name its values with their table
 
     @field_validator("*", mode="before")
     @classmethod
@@ -72,7 +73,7 @@ def one_sentence(error: ValidationError) -> str:
         return sentence(f"{path} has {context.get('actual_length') or 'too many'} entries; it must have {limit}")
     of_value = [_rule(one) for one in errors if one["loc"][: len(names)] == first["loc"][: len(names)]]
     rule = _range(context, names, options) or " or ".join(dict.fromkeys(of_value))
-    return sentence(f"{_short(names)} is {shown(first['input'])}; it must {rule}")
+    return sentence(f"{_short(names, options)} is {shown(first['input'])}; it must {rule}")
 
 
 def _range(context: dict[str, Any], names: list[str], options: type[Options] | None) -> str:
@@ -122,9 +123,9 @@ def _hint(names: list[str], options: type[Options] | None) -> str:
     return f"; there {'are' if len(known) > 1 else 'is'} {', '.join(before + name for name in known)}" if known else ""
 
 
-def _short(names: list[str]) -> str:
+def _short(names: list[str], options: type[Options] | None) -> str:
     """The name of a value in a sentence: its last part, in lists its path; walls.kind is called walls."""
-    if any(name.isdigit() for name in names):
+    if any(name.isdigit() for name in names) or (options is not None and options.WITH_TABLE):
         return ".".join(names)
     return names[-2] if names[-1] == "kind" and len(names) > 1 else names[-1]
 

@@ -1,6 +1,7 @@
 """Calibration: the paths are the law's, constants come back from made-up tests, and what is open is said."""
 
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.mpm.laws.stress_point import StressPoint
 from taichi_silo.scene import sands
 from taichi_silo.studies.calibrate.closed_formulas import alpha_of_peak, beta_of_stiffness, compression, first_guess
-from taichi_silo.studies.calibrate.fit import _follows, fitted
+from taichi_silo.studies.calibrate.constants import NAMES, how_known, unknowns_of, width
+from taichi_silo.studies.calibrate.fit import fitted
+from taichi_silo.studies.calibrate.knowledge import Known, _follows
 from taichi_silo.studies.calibrate.lab_tests import IndexTests, Laboratory, Oedometer
 from taichi_silo.studies.calibrate.model_curves import followed_oedometer, turning_points
 from taichi_silo.studies.calibrate.paths import Law, oedometer, triaxial
@@ -148,6 +151,80 @@ def test_pairs_that_trade_off_are_named():
     assert fit.rank < 8
 
 
+PAGE = "axial stress [kPa],void ratio\n12.5,0.842\n25,0.838\n50,0.833\n100,0.826\n200,0.817\n400,0.804\n100,0.808\n"
+
+
+@pytest.fixture(scope="module")
+def of_one_oedometer(tmp_path_factory):
+    """The calibration of the one oedometer test of docs/how-to/calibrate.md, and its folder."""
+    place = tmp_path_factory.mktemp("one")
+    (place / "oedometer_loose.csv").write_text(PAGE)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return ts.calibrate(place, place / "out"), place / "out"
+
+
+def test_constants_that_one_oedometer_test_leaves_open_keep_their_first_values(of_one_oedometer):
+    """A compression curve knows its slope and its bend: two or three directions, no friction angle and no alpha."""
+    found, folder = of_one_oedometer
+    fit = found.fit
+    assert 1 <= fit.rank <= 3
+    assert {"critical_friction_angle_deg", "alpha", "beta", "e_c0"} <= set(fit.kept) <= set(fit.undetermined)
+    for name in set(fit.kept) - {"e_d0", "e_i0"}:
+        assert fit.constants[name] == pytest.approx(found.guess[name].value, rel=1e-4), name
+    text = (folder / "sand.toml").read_text(encoding="utf-8")
+    assert "e_c0 = 0.842 # first value, loosest specimen: the tests do not determine it" in text
+    assert "d50_m = 0.0005 # usual of sands: no test says it" in text
+    assert sands.sand(str(folder / "sand.toml"), 0.8).e_c0 == pytest.approx(0.842)
+    lines = [line for line in text.splitlines() if line.startswith("n =")]
+    assert ("#" in lines[0]) == ("n" in fit.kept)
+
+
+def test_the_law_with_the_kept_constants_still_follows_the_measured_curve(of_one_oedometer):
+    found, _ = of_one_oedometer
+    assert found.fit.noise["void ratio"] < 0.002
+    assert found.fit.settled
+
+
+def test_directions_are_counted_from_singular_values():
+    """Of 8 constants a Jacobian that sees two: rank 2, whatever round-off makes of the others."""
+    random = np.random.default_rng(2)
+    seen = np.outer(random.normal(size=40), random.normal(size=8)) * 1e9
+    seen += 1e9 * np.outer(random.normal(size=40), random.normal(size=8))
+    known = Known.of(seen, np.zeros((0, 8)), factor=2.0)
+    assert known.rank == 2
+    assert (known.covariance.diagonal() > 0.0).all()
+
+
+@pytest.mark.parametrize(("share", "word"), [(0.05, "yes"), (0.3, "poorly"), (1.2, "no")])
+def test_known_is_said_by_the_width_of_the_interval(share, word):
+    assert how_known(share) == word
+
+
+def test_an_interval_over_four_decades_of_h_s_is_poor_knowledge():
+    """Of a range of 5.3 decades."""
+    k = NAMES.index("granular_hardness_Pa")
+    covariance = np.zeros((8, 8))
+    covariance[k, k] = (2.0 * np.log(10.0) / 2.0) ** 2
+    assert how_known(width("granular_hardness_Pa", unknowns_of(KARLSRUHE), covariance, 2.0)) == "poorly"
+
+
+def test_a_search_without_end_is_ended_and_said(monkeypatch):
+    monkeypatch.setattr("taichi_silo.studies.calibrate.fit.MOST_STEPS", 300)
+    whole = laboratory(KARLSRUHE, 3)
+    lab = Laboratory(whole.oedometers, [], whole.index)
+    fit = fitted(lab, first_guess(lab))
+    assert not fit.settled
+    assert fit.evaluations < 20  # some 50 without an end
+
+
+def test_a_path_takes_no_more_than_so_many_steps():
+    """Sand denser than e_d0 by far, of a hardness that none has."""
+    wild = dict(KARLSRUHE, granular_hardness_Pa=1e6, n=0.9, e_d0=0.9, e_c0=0.95, e_i0=0.97, alpha=1.0, beta=8.0)
+    path = oedometer(Law(**wild), np.log([[1e3], [1e8]]), np.ones((1, 1)), np.array([[0.2]]))
+    assert len(path.control) <= 2002
+
+
 def test_residuals_that_follow_each_other_count_for_less():
     """Of an autoregressive process a mean is sqrt((1 + r) / (1 - r)) times less certain; of white noise not at all."""
     random = np.random.default_rng(1)
@@ -219,7 +296,8 @@ def test_the_command_leaves_a_sand_that_a_run_takes_and_all_numbers_in_one_objec
         file.unlink()
     code, out, _ = said("calibrate", lab, "--output", output)
     assert code == 0
-    assert "φ_c is not determined: its interval is wider than its range" in out
+    assert "φ_c is not determined: sand.toml keeps its first value, 32 deg (usual of sands)." in out
+    assert "takes it; in it φ_c, " in out and "are only typical" in out
     assert "No test gives the grain density; sand.toml has 2650." in out
     assert not (output / "shearing.png").exists()  # an earlier calibration is replaced as a whole
 
@@ -250,3 +328,11 @@ def test_what_cannot_be_calibrated_is_refused_before_anything_is_written(tmp_pat
         assert words in err
         assert err.count("\n") == 1
         assert not output.exists()
+
+
+def test_one_file_that_is_no_table_has_its_own_sentence(tmp_path, said):
+    (tmp_path / "tiny.toml").write_text("[silo]\n")
+    code, _, err = said("calibrate", tmp_path / "tiny.toml", "--output", tmp_path / "out")
+    assert code == 2
+    assert err.startswith(f"Error: lab {tmp_path / 'tiny.toml'} is not a table: it must be a file ")
+    assert ".csv, .txt" in err and err.count("\n") == 1

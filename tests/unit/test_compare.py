@@ -217,7 +217,7 @@ def test_depths_are_heights_below_the_surface_of_the_silo(runs, tmp_path):
         ("displacement_mm,P_kN_per_m\n1,inf\n", ["line 2", "inf", "number"]),
         ('displacement_mm,P_kN_per_m\n1,"1,234"\n', ["line 2", "1,234", "without a comma"]),
         ("displacement_mm,P_kN_per_m\n0,5,1,2\n", ["line 2", "4 values", "2", "semicolons"]),
-        ("displacement_mm;P_kN_per_m\n1\n", ["line 2", "1 values", "2"]),
+        ("displacement_mm;P_kN_per_m\n1\n", ["line 2", "1 value;", "2"]),
         ("displacement_mm,P_kN_per_m\n,2\n", ["empty displacement_m"]),
         ("displacement_mm,P_kN_per_m\n", ["no rows"]),
         ("displacement_mm,,P_kN_per_m\n1,2,3\n", ["without a name"]),
@@ -300,7 +300,8 @@ def test_the_command_leaves_tables_and_figures_and_all_numbers_in_one_object(run
         image = np.asarray(Image.open(output / name).convert("RGB"))
         assert np.mean(np.any(image < 200, axis=2)) > 0.01
     found = json.loads(out)
-    assert set(found) == {"runs", "differences", "janssen", "deviations", "files"}
+    assert set(found) == {"runs", "differences", "janssen", "deviations", "remarks", "files"}
+    assert found["remarks"] == []
     assert list(found["runs"]) == ["smooth", "very-rough"]
     rows = pd.read_csv(output / "compare.csv")
     assert len(rows) == len(found["differences"])
@@ -328,3 +329,19 @@ def test_what_cannot_be_compared_is_refused_before_anything_is_written(runs, tmp
         assert why in err
         assert err.count("\n") == 1
         assert not output.exists()
+
+
+def test_a_pressure_that_pulls_is_compared_and_named(runs, tmp_path, said):
+    """Whoever counts compression as negative reads that pressures are positive here; shear has either sign."""
+    cells = table(
+        tmp_path, "height_m,normal_stress_kPa,shear_stress_kPa\n0.1,-2,-1\n0.2,-1.5,-1\n0.3,1,1\n", "cells.csv"
+    )
+    curves = table(tmp_path, "displacement_mm,N_kN_per_m,T_kN_per_m\n1,-0.6,-1\n5,0.7,1\n")
+    flags = ("--csv", cells, "--csv", curves, "--output", tmp_path / "out")
+    code, out, _ = said("compare", *runs, *flags)
+    assert code == 0
+    assert "cells.csv: 2 of 3 values of the normal stress [Pa] are negative, the lowest -2000; pressures are" in out
+    assert "measured.csv: 1 of 2 values of N [N/m] is negative, the lowest -600" in out
+    assert out.count("is their sign right?") == 2
+    found = json.loads(said("compare", *runs, *flags, "--json")[1])
+    assert len(found["remarks"]) == 2

@@ -182,3 +182,33 @@ def test_every_solid_has_a_report_above_every_bottom(name):
         assert json.dumps(report.as_json(), allow_nan=False)
         assert len(report.hopper_rows) == (11 if hopper else 0) and report.facts
         assert (report.frame >= -1e-9).drop(columns="envelope_least_normal_Pa").all().all()
+
+
+def test_the_scene_of_the_page_has_no_suction_and_says_why_channels_stand_beside_mass_flow(said, file):
+    code, out, _ = said("eurocode", file, "--json")
+    assert code == 0
+    found = json.loads(out)
+    assert found["table"][0]["envelope_least_normal_Pa"] == 0.0
+    assert found["bottom"]["flow"] == "mass flow" and found["channels"]
+    assert any("5.2.4 asks for flow channels by the place of the outlet alone" in one for one in found["notes"])
+    code, out, _ = said("eurocode", file)
+    assert "near the surface 0 is left" in out
+    code, out, _ = said("eurocode", file, "--set", "eurocode.outlet_eccentricity_m=0", "--json")
+    assert not any("flow channels" in one for one in json.loads(out)["notes"])
+
+
+def test_a_solid_that_is_none_is_named_with_the_list_beside_the_guess(said, file):
+    """The word is of the scene: eurocode.solid; so are those of the other values of the table."""
+    code, _, err = said("eurocode", file, "--set", "eurocode.solid=weat")
+    assert code == 2 and err.count("\n") == 1
+    assert "eurocode.solid is weat; did you mean wheat? All: taichi-silo eurocode --solids" in err
+    code, _, err = said("eurocode", file, "--set", "eurocode.solid=zzz")
+    assert code == 2 and "eurocode.solid is zzz; it must be one of " in err and "wheat" in err
+    for change, words in (
+        ("eurocode.solid=5", "eurocode.solid is 5; it must be text"),
+        ("eurocode.wall=D9", "eurocode.wall is D9; it must be"),
+        ("eurocode.pressure_ratio=7", "eurocode.pressure_ratio is 7; it must be at least 0.05 and at most 0.9"),
+        ("eurocode.lower_weight_density_N_per_m3=9500", "eurocode.lower_weight_density_N_per_m3 is 9500"),
+    ):
+        code, _, err = said("eurocode", file, "--set", change)
+        assert code == 2 and words in err, err

@@ -160,3 +160,43 @@ def test_numbers_are_stated_in_words_above_the_columns(tmp_path):
     assert found["e0"] == (0.65, "")
     assert found["Zelldruck"] == (150.0, "kPa")
     assert found["Probe"] == (7.0, "")
+
+
+IMPOSSIBLE = {
+    "void ratio rises": (
+        "axial stress [kPa],void ratio\n100,0.6\n200,0.7\n400,0.9\n",
+        "the void ratio rises from 0.6 at 100 kPa to 0.7 at 200 kPa; it must fall as the stress rises",
+    ),
+    "void ratio stays": (
+        "axial stress [kPa],void ratio\n100,0.6\n200,0.6\n400,0.6\n",
+        "the void ratio is 0.6 at 100 kPa and 0.6 at 400 kPa; it must fall",
+    ),
+    "one step up": ("axial stress [kPa],void ratio\n50,0.8\n100,0.7\n200,0.75\n400,0.6\n", "rises from 0.7"),
+    "settlement falls": (
+        "# e0 = 0.8\n# initial height = 20 mm\naxial stress [kPa],settlement [mm]\n50,1\n100,0.5\n200,0.1\n",
+        "the void ratio rises",
+    ),
+    "q of another unit": (
+        HEAD + "axial strain [%],q [MPa],eps_v [%]\n1,200,0.1\n2,300,-0.5\n3,350,-1\n",
+        "a friction angle of 88 deg; it must be below 70",
+    ),
+    "volume of another unit": (
+        HEAD + "axial strain [%],q [kPa],eps_v [-]\n1,200,0.1\n2,300,-0.5\n3,350,-1\n",
+        "volume strain is 0.1 at an axial strain of 0.01",
+    ),
+    "limits the wrong way round": ("e_min,e_max\n0.9,0.6\n", "e_min is 0.9 and e_max 0.6; e_min must be below e_max"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", IMPOSSIBLE)
+def test_what_no_sand_does_is_refused_before_any_fit(tmp_path, kind):
+    text, words = IMPOSSIBLE[kind]
+    with pytest.raises(BadInput) as refused:
+        lab(tmp_path, text)
+    assert words in str(refused.value)
+    assert "right" in str(refused.value) and str(refused.value).endswith("?")
+
+
+def test_noise_of_an_oedometer_test_is_no_rise(tmp_path):
+    (test,) = lab(tmp_path, "axial stress [kPa],void ratio\n50,0.8\n60,0.803\n100,0.79\n200,0.78\n").oedometers
+    assert len(test.void_ratio) == 4

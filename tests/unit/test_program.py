@@ -76,6 +76,59 @@ def test_a_scene_is_checked_without_being_run(said, tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["silo.toml"]
 
 
+def test_a_scenario_is_checked_as_a_file_is(said, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code, out, _ = said("run", "mass_flow", "--cell-size", 0.02, "--check", "--json")
+    assert code == 0
+    assert json.loads(out)["points"] == 250  # 10 x 25 cells
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "right"),
+    [
+        (("--cell-size", "0.01"), "--set grid.cell_size_m=0.01"),
+        (("--speed=0.004",), "--set flow.speed_m_per_s=0.004"),
+        (("--quiet", "--half", "no"), "--set silo.half=no"),
+        (("--sand", "hostun"), "--set sand.name=hostun"),
+        (("--fidelity", "draft"), "--set grid.cell_size_m=... and --set flow.speed_m_per_s=..."),
+        (("--walls",), "--set walls.kind=..."),
+    ],
+)
+def test_a_flag_of_scenarios_is_refused_for_a_file_with_what_does_the_same(said, tmp_path, words, right):
+    file = tmp_path / "silo.toml"
+    file.write_text(TINY)
+    code, out, err = said("run", file, *words)
+    assert (code, out) == (2, "")
+    flag = words[-2 if len(words) > 1 else 0].split("=")[0]
+    assert err == f"Error: {flag} is a flag of scenarios, and this is a scene file; give {right}.\n"
+
+
+def test_every_flag_of_a_silo_scenario_is_one_of_a_scene_file_or_names_its_path(said, tmp_path):
+    from typer.main import get_command
+
+    from taichi_silo.cli import catalogue, command_line, flags
+    from taichi_silo.cli.commands.run import _own_flags
+    from taichi_silo.scene.dotted_paths import known
+
+    own = _own_flags()
+    for name in ("mass_flow", "outlet", "hopper", "insert", "gravity_discharge"):
+        for one in get_command(command_line.app_of(catalogue.load(name))).params:
+            for flag in one.opts:
+                path = flags.paths_of_flags().get(flag)
+                assert flag in own or flag == "--fidelity" or (path and known(path)) or flag == "--share", (name, flag)
+
+
+def test_explaining_a_scene_file_names_what_a_scene_file_takes(said, tmp_path):
+    file = tmp_path / "silo.toml"
+    file.write_text(TINY)
+    code, out, _ = said("run", file, "--explain")
+    assert code == 0
+    assert "--set" in out and "grid.cell_size_m=" in out.replace("\n", "")
+    assert "--cell-size" not in out and "--speed" not in out
+    assert "--no-film" in out
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

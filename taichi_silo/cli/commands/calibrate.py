@@ -34,7 +34,8 @@ def calibrate(
     from taichi_silo.studies.calibrate.whole import calibrate as calibrated
 
     console = Console(quiet=quiet, as_json=json)
-    found = calibrated(lab, output)
+    with console.status("reading the tests") as status:
+        found = calibrated(lab, output, status)
     table = Table(title=f"Constants of {found.name}", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for number, head in enumerate(("constant", "value", "95 % from", "to", "known", "first value", "from")):
         table.add_column(head, justify="right" if number in (1, 2, 3, 5) else "left", overflow="fold")
@@ -44,5 +45,6 @@ def calibrate(
         table.add_row(f"{SYMBOLS[row.constant]}{unit}", *numbers[:3], row.known, numbers[3], row.source)
     console.terminal.print(table)
     console.say(*found.words, "", f"The calibration is in {output}: {', '.join(file.name for file in found.files)}")
-    console.say(f"taichi-silo run mass_flow --sand {output / SAND} takes it.")
+    typical = f"; in it {found.only_typical} are only typical, by no test" if found.only_typical else ""
+    console.say(f"taichi-silo run mass_flow --sand {output / SAND} takes it{typical}.")
     console.result(found.as_json())

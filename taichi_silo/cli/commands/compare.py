@@ -63,5 +63,6 @@ def compare(
         tables += [show.deviations(rows) for _, rows in found.deviations.groupby("file", sort=False)]
     for table in tables:
         console.terminal.print(table)
+    console.say(*found.remarks)
     console.say("", f"The comparison is in {output}: {', '.join(file.name for file in found.files)}")
     console.result(found.as_json())

@@ -7,6 +7,7 @@ from typer import Argument, Option
 
 from taichi_silo.cli.output_flags import JsonFlag, QuietFlag
 from taichi_silo.utils.console import Console
+from taichi_silo.utils.messages import counted
 
 
 def command(
@@ -35,5 +36,5 @@ def command(
         task = progress.add_task("looking", total=None)
         entries = page.gather(root, target, lambda done, count: progress.update(task, completed=done, total=count))
     file = page.write(entries, writable(target), title)
-    console.say(f"{file}  {len(entries)} runs, {file.stat().st_size / 1e6:.2g} MB")
+    console.say(f"{file}  {counted(len(entries), 'run')}, {file.stat().st_size / 1e6:.2g} MB")
     console.result({"page": str(file), "runs": [one.name for one in entries]})

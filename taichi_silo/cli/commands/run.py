@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from taichi_silo.cli.output_flags import (
+    CheckFlag,
     ExplainFlag,
     FiguresFlag,
     FilmFlag,
@@ -45,6 +46,9 @@ def run(
     if what is None or what.startswith("-"):
         command(scene_file, ["--help"], "taichi-silo run")
     if _is_scene(what):
+        from taichi_silo.cli.flags import refuse_flags_of_scenarios
+
+        refuse_flags_of_scenarios(context.args, _own_flags())
         command(scene_file, [what, *context.args], "taichi-silo run")
     command(catalogue.load(what), context.args, f"taichi-silo run {catalogue.script(what).stem}")
 
@@ -52,6 +56,14 @@ def run(
 def _is_scene(what: str) -> bool:
     """Whether a word means a file rather than a scenario."""
     return what.lower().endswith(".toml") or "/" in what or "\\" in what or Path(what).is_dir()
+
+
+def _own_flags() -> set[str]:
+    """Flags of `run SCENE.toml`."""
+    from taichi_silo.cli.command_line import app_of
+
+    found = typer.main.get_command(app_of(scene_file)).params
+    return {flag for one in found for flag in (*one.opts, *one.secondary_opts)}
 
 
 def scene_file(
@@ -70,9 +82,7 @@ def scene_file(
         int | None, typer.Option(help="CPU threads that share a step; those of the scene if not given")
     ] = None,
     explain: ExplainFlag = False,
-    check: Annotated[
-        bool, typer.Option("--check", help="only say whether the scene is possible, and its cost")
-    ] = False,
+    check: CheckFlag = False,
     yes: YesFlag = False,
     quiet: QuietFlag = False,
     json: JsonFlag = False,
@@ -84,7 +94,7 @@ def scene_file(
 
     Example: taichi-silo run silo.toml --output outputs/mine --set sand.void_ratio=0.7
     """
-    from taichi_silo.cli import command_line
+    from taichi_silo.cli import command_line, flags
     from taichi_silo.runs.run_folder import free_name, named
     from taichi_silo.scene.scene_files import read_scene
     from taichi_silo.utils.console import Console
@@ -95,16 +105,11 @@ def scene_file(
         changes.append(f"machine.threads={threads}")
     wanted = read_scene(scene, changes)
     if explain:
-        command_line.explain(wanted)
+        own = _own_flags()
+        command_line.explain(wanted, lambda words: flags.for_scene_file(words, own))
         return
     if check:
-        from taichi_silo.runs import cost_estimate
-
-        console.say(f"{scene} is a possible scene: {wanted.points:,} points, {wanted.weight_N_per_m:.4g} N/m of sand")
-        cost = cost_estimate.before_start(wanted)
-        console.say(cost.words())
-        told = {"points": wanted.points, "steps": cost.steps, "seconds": cost.seconds}
-        console.result({"scene": wanted.model_dump(mode="json")} | told)
+        command_line.check(wanted, str(scene), console)
         return
     from taichi_silo import api
     from taichi_silo.cli.long_runs import permission

@@ -7,6 +7,7 @@ import typer
 
 from taichi_silo.cli.output_flags import JobsFlag, JsonFlag, QuietFlag, SchedulerFlag, SlurmFlag
 from taichi_silo.utils.console import Console
+from taichi_silo.utils.messages import counted
 
 
 def sweep(
@@ -69,4 +70,6 @@ def sweep(
     console.result(study.result)
     if study.failures:
         name, why = next(iter(study.failures.items()))
-        raise RunFailed(f"in {len(study.failures)} of {len(study.missing)} runs, the first being '{name}': {why}")
+        raise RunFailed(
+            f"in {len(study.failures)} of {counted(len(study.missing), 'run')}, the first being '{name}': {why}"
+        )

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from taichi_silo.mpm import language, runtime
 from taichi_silo.runs.observers import Observer
+from taichi_silo.utils.messages import counted
 
 PART = 0.1  # of the simulated time between two lines on how far it is
 SOON_S = 5.0  # by the clock, after which the first of them comes at the latest
@@ -33,8 +34,8 @@ class Log(Observer):
         self.stream = open(self.file, "a", buffering=1, encoding="utf-8")  # noqa: SIM115 - see end()
         self.say(
             f"begins: taichi-silo {version('taichi-silo')}, {language.VERSION}, Python "
-            f"{platform.python_version()}, {platform.machine()}; {scene.points} points, {runtime.device()}, "
-            f"{runtime.threads()} threads"
+            f"{platform.python_version()}, {platform.machine()}; {counted(scene.points, 'point')}, {runtime.device()}, "
+            f"{counted(runtime.threads(), 'thread')}"
         )
         self._tell()
 

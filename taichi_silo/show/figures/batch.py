@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from taichi_silo.runs.result import Result, residual
 from taichi_silo.show.figures.forces import FORCES, displacement_unit, running_median, x_axis
 from taichi_silo.show.figures.style import COLORS, new_figure, start_at_zero
+from taichi_silo.utils.messages import counted
 
 OTHERS = "#B0B0B0"
 
@@ -35,7 +36,9 @@ def batch_figure(runs: list[Result]) -> Figure | None:
     handles = dict(zip(*reversed(panels[0].get_legend_handles_labels()), strict=True))
     figure.legend([handles[name] for name in chosen], chosen, loc="outside lower center", ncols=1)
     others = f"; grey: {len(runs) - len(chosen)} others" if len(runs) > len(chosen) else ""
-    figure.suptitle(f"Forces per metre run of {len(runs)} runs\nT, N: mean of both walls; running median{others}")
+    figure.suptitle(
+        f"Forces per metre run of {counted(len(runs), 'run')}\nT, N: mean of both walls; running median{others}"
+    )
     return figure
 
 

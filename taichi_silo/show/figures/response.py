@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from taichi_silo.show.figures.style import BLUE, REFERENCE, WORDS, new_figure, start_at_zero
+from taichi_silo.utils.messages import counted
 
 NUMBERS = "viridis"
 BRIGHTEST = 0.88  # of that map; its yellow end is too pale for markers
@@ -53,7 +54,7 @@ def response_figure(table: pd.DataFrame, varied: list[str], response) -> Figure 
     start_at_zero(panels[: len(columns)], "y")
     missing = len(table) - len(known)
     without = f", {missing} without an answer" if missing else ""
-    figure.suptitle(f"{label(response.y)}: {len(table)} runs{without}", wrap=True)
+    figure.suptitle(f"{label(response.y)}: {counted(len(table), 'run')}{without}", wrap=True)
     return figure
 
 

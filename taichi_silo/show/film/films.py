@@ -50,7 +50,7 @@ def film(
         if not kept and (0 < many < FEWEST_STATES or len(run.snapshots) < 2):
             raise BadInput(
                 f"snapshots of the flow are {many}; a film needs at least {FEWEST_STATES}: run it again with "
-                "--snapshots 100, or draw single pictures with --frame"
+                "output.snapshots = 100, or draw single pictures with --frame"
             )
     renderer: Renderer | Pair
     renderer = Renderer(history, look, states[id(history)]) if other is None else Pair((history, other), look)

@@ -15,6 +15,7 @@ from taichi_silo.show import html
 from taichi_silo.show.titles import title
 from taichi_silo.utils import atomic_write
 from taichi_silo.utils.bounded_reading import as_left
+from taichi_silo.utils.messages import counted
 
 PAGE = "index.html"
 FIGURES = {"forces": "P, T and N", "void_ratio": "Void ratio", "wall_stress": "Wall stresses"}
@@ -55,7 +56,9 @@ def gather(root: Path, page: Path, seen: Callable[[int, int], None] = lambda num
         seen(number, len(found))
     entries = [one for one in entries if one.films or one.figures]
     if not entries:
-        raise BadInput(f"folder is {root}; it must hold runs with films or figures, and holds {len(found)} runs")
+        raise BadInput(
+            f"folder is {root}; it must hold runs with films or figures, and holds {counted(len(found), 'run')}"
+        )
     return entries
 
 

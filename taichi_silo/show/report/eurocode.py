@@ -115,6 +115,11 @@ class EurocodeReport:
             found.append("The inclined walls of the outline are no cone or wedge of section 6: they are not computed.")
         elif self.bottom.kind != "flat" and not self.hopper_rows:
             found.append("Of so wide a hopper Walker's theory has no passive state: it is not computed.")
+        if self.channels and self.bottom is not None and flow_pattern(self.bottom) == "mass flow":
+            found.append(
+                "Mass flow (3.3) is said of a hopper about the axis, by its angle and friction; 5.2.4 asks for flow "
+                "channels by the place of the outlet alone, and both are given."
+            )
         if self.silo.section == "round" and self.scene.eurocode.wall_thickness_m is None and self.patches:
             found.append(
                 "Without eurocode.wall_thickness_m both kinds of patch are given, and not the increase of 5.2.3."
@@ -132,6 +137,8 @@ class EurocodeReport:
             "kPa, n_zSk in kN per metre of girth; depth below the levelled surface. p_h presses outward, p_w downward. "
             f"Envelope over {', '.join(clauses)}; n_zSk, p_vf: {forces}."
         )
+        if any(one.shares[1] < 0.0 for one in self.patches):
+            note += " A patch takes away p_h at most: near the surface 0 is left, as no solid pulls at a wall."
         return ReportTable(("depth (m)", *DEPTH.values()), tuple(rows), note)
 
     def value_table(self) -> ReportTable:

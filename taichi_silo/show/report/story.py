@@ -2,6 +2,7 @@
 
 from taichi_silo.runs.result import Result
 from taichi_silo.show.report.words import count, kN, mm, plain
+from taichi_silo.utils.messages import counted
 
 LAWS = {
     "gudehus-bauer": "Gudehus-Bauer hypoplasticity",
@@ -43,7 +44,7 @@ def _walls(run: Result) -> str:
 def _filling(run: Result) -> str:
     filling, seconds = run.scene.filling, plain(run.scene.method.filling_time_s)
     if filling.kind == "layers":
-        return f"{filling.layers} layers, one after the other, each with its weight."
+        return f"{counted(filling.layers, 'layer')}, one after the other, each with its weight."
     if filling.kind == "rain":
         return f"Row after row falls from {mm(filling.drop_m)}."
     return f"The whole column is in place, and its weight grows within {seconds} s; then it comes to rest."

@@ -12,6 +12,7 @@ import numpy as np
 
 from taichi_silo.studies.calibrate.lab_tests import Laboratory, Oedometer, Triaxial
 from taichi_silo.studies.calibrate.paths import Law
+from taichi_silo.utils.messages import counted
 
 USUAL = {  # where no test says anything: about the middle of the published sands
     "critical_friction_angle_deg": 32.0, "granular_hardness_Pa": 1.5e9, "n": 0.3, "e_c0": 0.9, "alpha": 0.15,
@@ -28,6 +29,7 @@ class Guess(NamedTuple):
 
     value: float
     source: str
+    typical: bool = False  # of sands, not told by any test
 
 
 def first_guess(lab: Laboratory) -> dict[str, Guess]:
@@ -37,11 +39,13 @@ def first_guess(lab: Laboratory) -> dict[str, Guess]:
     found |= compression(lab, phi)
     h_s, n = found["granular_hardness_Pa"].value, found["n"].value
     found |= void_ratios(lab, h_s, n)
-    found["alpha"] = Guess(USUAL["alpha"], "usual of sands; no test of dense sand with a peak")
-    found["beta"] = Guess(USUAL["beta"], "usual of sands; no two oedometer tests of different density")
+    found["alpha"] = Guess(USUAL["alpha"], "usual of sands; no test of dense sand with a peak", True)
+    found["beta"] = Guess(USUAL["beta"], "usual of sands; no two oedometer tests of different density", True)
     plain = {name: one.value for name, one in found.items()}
     if peaks := [value for test in lab.triaxials if (value := alpha_of_peak(test, plain)) is not None]:
-        found["alpha"] = Guess(float(np.clip(np.median(peaks), 0.03, 0.6)), f"peaks of {len(peaks)} triaxial tests")
+        found["alpha"] = Guess(
+            float(np.clip(np.median(peaks), 0.03, 0.6)), f"peaks of {counted(len(peaks), 'triaxial test')}"
+        )
     plain["alpha"] = found["alpha"].value
     if (value := beta_of_stiffness(lab.oedometers, plain)) is not None:
         found["beta"] = Guess(value, "stiffness of the loosest and the densest oedometer test")
@@ -56,7 +60,7 @@ def friction_angle(lab: Laboratory) -> Guess:
         test = max(lab.triaxials, key=lambda one: one.void_ratio)
         angles = test.friction_angle_deg[np.isfinite(test.deviator_Pa)]
         return Guess(float(np.clip(angles[-3:].mean(), 16.0, 49.0)), f"end of {test.name}")
-    return Guess(USUAL["critical_friction_angle_deg"], "usual of sands")
+    return Guess(USUAL["critical_friction_angle_deg"], "usual of sands", True)
 
 
 def compression(lab: Laboratory, phi_deg: float) -> dict[str, Guess]:
@@ -65,7 +69,10 @@ def compression(lab: Laboratory, phi_deg: float) -> dict[str, Guess]:
     The mean stress follows from K0 = 1 - sin phi_c (Jaky). For a given n the curve is a straight line over p^n.
     """
     if not lab.oedometers:
-        return {name: Guess(USUAL[name], "usual of sands; no oedometer test") for name in ("granular_hardness_Pa", "n")}
+        return {
+            name: Guess(USUAL[name], "usual of sands; no oedometer test", True)
+            for name in ("granular_hardness_Pa", "n")
+        }
     test = max(lab.oedometers, key=lambda one: one.void_ratio[0])
     p = test.stress_Pa[test.loading] * (1.0 + 2.0 * jaky(phi_deg)) / 3.0
     log_e = np.log(test.void_ratio[test.loading])
@@ -89,18 +96,18 @@ def void_ratios(lab: Laboratory, h_s: float, n: float) -> dict[str, Guess]:
         e_c0 = Guess(max(ends), "ends of triaxial tests")
     else:
         firsts = [float(one.void_ratio[0]) for one in lab.oedometers]
-        e_c0 = Guess(max(firsts, default=USUAL["e_c0"]), "loosest specimen" if firsts else "usual of sands")
+        e_c0 = Guess(max(firsts, default=USUAL["e_c0"]), "loosest specimen" if firsts else "usual of sands", True)
     if lab.index.e_min:
         e_d0 = Guess(float(np.mean(lab.index.e_min)), "e_min")
     else:
-        e_d0 = Guess(DENSEST * e_c0.value, f"{DENSEST:g} e_c0, mean of published sands")
-    e_i0 = Guess(LOOSEST * e_c0.value, f"{LOOSEST:g} e_c0")
+        e_d0 = Guess(DENSEST * e_c0.value, f"{DENSEST:g} e_c0, mean of published sands", True)
+    e_i0 = Guess(LOOSEST * e_c0.value, f"{LOOSEST:g} e_c0", True)
     given = [*(float(one.void_ratio.min()) for one in lab.oedometers), *(one.void_ratio for one in lab.triaxials)]
     most = [*(float(one.void_ratio[0]) for one in lab.oedometers), *(one.void_ratio for one in lab.triaxials)]
     if given and e_d0.value > 0.97 * min(given):
-        e_d0 = Guess(0.97 * min(given), "just below the densest specimen")
+        e_d0 = Guess(0.97 * min(given), "just below the densest specimen", True)
     if most and e_i0.value < 1.03 * max(most):
-        e_i0 = Guess(1.03 * max(most), "just above the loosest specimen")
+        e_i0 = Guess(1.03 * max(most), "just above the loosest specimen", True)
     return {"e_c0": e_c0, "e_d0": e_d0, "e_i0": e_i0}
 
 

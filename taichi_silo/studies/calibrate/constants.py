@@ -16,6 +16,7 @@ SHOWN = ("critical_friction_angle_deg", "granular_hardness_Pa", "n", "e_i0", "e_
 LOW = np.array([15.0, np.log(1e6), 0.05, np.log(0.2), 0.3, 1.01, np.log(0.01), np.log(0.1)])
 HIGH = np.array([50.0, np.log(2e11), 0.95, np.log(3.0), 0.95, 2.0, np.log(1.0), np.log(8.0)])
 SPAN = HIGH - LOW
+WELL = 0.1  # of its range, up to which an interval tells a constant: 3.5 deg, 0.09 of n, a factor of 3.4 of h_s
 RELATIVE = {"e_d0": (4, 0.3, 0.95), "e_i0": (5, 1.01, 2.0)}  # unknowns that are shares of e_c0, and their ranges
 
 
@@ -34,19 +35,40 @@ def unknowns_of(constants: dict[str, float]) -> np.ndarray:
     return np.clip(found, LOW + 1e-6 * SPAN, HIGH - 1e-6 * SPAN)
 
 
+def _reach(name: str, unknowns: np.ndarray, covariance: np.ndarray, factor: float) -> float:
+    """So many standard deviations of a constant on its scale: of the logarithm of e_d0 and e_i0, not of their share."""
+    row = np.zeros(len(covariance))
+    row[NAMES.index(name)] = 1.0
+    if name in RELATIVE:
+        share = RELATIVE[name][0]
+        row[3], row[share] = 1.0, 1.0 / unknowns[share]
+    return factor * float(np.sqrt(row @ covariance @ row))
+
+
+def width(name: str, unknowns: np.ndarray, covariance: np.ndarray, factor: float) -> float:
+    """Width of the interval of a constant on its scale, over its range there; above 1 where it is wider than that."""
+    span = float(SPAN[NAMES.index(name)])
+    if name in RELATIVE:
+        _, low, high = RELATIVE[name]
+        span = float(np.log(high / low))
+    return 2.0 * _reach(name, unknowns, covariance, factor) / span
+
+
+def how_known(width_over_range: float) -> str:
+    """Whether the tests determine a constant, by the width of its interval over its range."""
+    return "yes" if width_over_range <= WELL else "poorly" if width_over_range <= 1.0 else "no"
+
+
 def interval(name: str, unknowns: np.ndarray, covariance: np.ndarray, factor: float) -> tuple[float, float]:
     """Ends of the interval of a constant: so many standard deviations to both sides, on its scale, within its range."""
-    k = NAMES.index(name)
-    if name in RELATIVE:  # of the logarithm of share times e_c0
+    k, reach = NAMES.index(name), _reach(name, unknowns, covariance, factor)
+    if name in RELATIVE:
         share, low, high = RELATIVE[name]
-        row = np.zeros(len(unknowns))
-        row[3], row[share] = 1.0, 1.0 / unknowns[share]
-        middle, reach = unknowns[3] + np.log(unknowns[share]), factor * float(np.sqrt(row @ covariance @ row))
+        middle = unknowns[3] + np.log(unknowns[share])
         e_c0 = np.exp(unknowns[3])
         return float(max(np.exp(middle - reach), low * e_c0)), float(
             min(np.exp(min(middle + reach, 50.0)), high * e_c0)
         )
-    reach = factor * float(np.sqrt(covariance[k, k]))
     ends = (max(unknowns[k] - reach, LOW[k]), min(unknowns[k] + reach, HIGH[k]))
     low, high = (float(np.exp(end)) if name not in ("critical_friction_angle_deg", "n") else float(end) for end in ends)
     return low, high

@@ -7,9 +7,10 @@ import numpy as np
 from taichi_silo.errors import BadInput
 from taichi_silo.studies.calibrate.columns import UNITS, WORDS, quantity
 from taichi_silo.studies.calibrate.lab_tests import IndexTests, Laboratory, Oedometer, Triaxial
+from taichi_silo.studies.calibrate.plausible import check_index, check_oedometer, check_triaxial
 from taichi_silo.studies.measured_tables import factor_of, read_table
 from taichi_silo.utils import bounded_reading
-from taichi_silo.utils.messages import shown
+from taichi_silo.utils.messages import counted, shown
 
 SHEETS = (".xlsx", ".xls", ".ods", ".numbers")
 ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".asc")
@@ -43,9 +44,14 @@ def read_laboratory(folder: Path) -> Laboratory:
         raise BadInput(f"lab is {folder}, and there is no such folder; it must hold CSV files of laboratory tests")
     found = sorted(folder.iterdir()) if folder.is_dir() else [folder]
     files = [one for one in found if one.suffix.lower() in ENDINGS and not one.name.startswith(".")]
+    if not files and not folder.is_dir():
+        raise BadInput(
+            f"lab {folder} is not a table: it must be a file {', '.join(ENDINGS)}, or a folder of such files"
+        )
     if not files or len(files) > MOST_FILES:
         raise BadInput(
-            f"lab {folder} has {len(files)} tables; it must have 1 to {MOST_FILES} files {', '.join(ENDINGS)}"
+            f"lab {folder} has {counted(len(files), 'table')}; it must have 1 to {MOST_FILES} files "
+            f"{', '.join(ENDINGS)}"
         )
     oedometers, triaxials, index = [], [], IndexTests()
     remarks = [f"{one.name} is passed over; save it as CSV" for one in found if one.suffix.lower() in SHEETS]
@@ -63,6 +69,7 @@ def read_laboratory(folder: Path) -> Laboratory:
         elif not one.gives_index():
             raise BadInput(f"{one.file} has the columns {shown(', '.join(one.heads))}; it must have {NEEDED}")
         remarks += one.remarks
+    check_index(folder, index)
     return Laboratory(oedometers, triaxials, index, remarks)
 
 
@@ -154,6 +161,7 @@ class LabFile:
         self._checked("stress", float(test.stress_Pa.max()))
         for value in test.void_ratio:
             self._checked("void_ratio", float(value))
+        check_oedometer(self.file, test)
         return test
 
     def triaxial(self) -> Triaxial:
@@ -177,6 +185,7 @@ class LabFile:
         test = Triaxial(self.file.name, cell, e, strain[known], deviator[known], volume[known], sure)
         self._enough(int((test.loading & np.isfinite(test.deviator_Pa)).sum()), "first loading")
         self._checked("deviator", float(np.nanmax(test.deviator_Pa)))
+        check_triaxial(self.file, test)
         return test
 
     def _strain(self) -> np.ndarray:
@@ -249,4 +258,5 @@ class LabFile:
 
     def _enough(self, count: int, words: str) -> None:
         if count < 3:
-            raise BadInput(f"{self.file} has {count} points of {words}; it must have at least 3")
+            points = counted(count, "point")
+            raise BadInput(f"{self.file} has {points} of {words}; it must have at least 3")

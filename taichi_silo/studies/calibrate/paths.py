@@ -16,6 +16,7 @@ Law: Callable[..., Any] = law_on_arrays(GudehusBauer)
 # error of a step, of stress and void ratio: 1e-4 of both after a whole path (a test)
 COMPRESSING, SHEARING = 2e-5, 2e-6
 FIRST, SMALLEST = 1e-4, 1e-5  # share of the way from turn to turn in a step
+MOST_STEPS = 2000  # of a path; those of sand take about 100
 STIFFEST = 1e-3  # least share of the linear stiffness that is left in loading
 
 
@@ -106,9 +107,11 @@ def _follow(
     """A path by its rates, which take control, stress, void ratio, and 1 in loading, -1 in unloading.
 
     The rule of third order by Bogacki and Shampine (1989) and its error estimate; all paths take the same share of
-    their way in a step, so that neighbouring sets of constants have the same error.
+    their way in a step, so that neighbouring sets of constants have the same error. A path of too many steps ends as
+    what is no number.
     """
     found: list[tuple] = []
+    tries = 0
     with np.errstate(all="ignore"):  # what is no number is left to the caller
         for begin, end in zip(turns[:-1, :, None], turns[1:, :, None], strict=True):
             way, turn = end - begin, np.where(end < begin, -1.0, 1.0)
@@ -120,6 +123,11 @@ def _follow(
             now = slopes(done, y)
             found.append((begin[:, 0], *y, *now))
             while done < 1.0:
+                tries += 1
+                if tries > MOST_STEPS:  # no path of sand
+                    lost = np.full_like(stress, np.nan)
+                    found.append((end[:, 0], lost, lost, lost, lost))
+                    return Curve(*(np.stack(one) for one in zip(*found, strict=True)))
                 h = min(part, 1.0 - done)
                 two = slopes(done + 0.5 * h, _moved(y, 0.5 * h * way, now))
                 three = slopes(done + 0.75 * h, _moved(y, 0.75 * h * way, two))

@@ -48,6 +48,7 @@ class Problem:
         )
         self.soft = self._soft()
         self.evaluations = 0
+        self.steps = 0  # of integration, so far
         self.rows: list[int] = []  # of each curve
         self.kinds: list[str] = []
         self.knowledge = 0  # rows of index tests and of specimens
@@ -66,8 +67,15 @@ class Problem:
         """Every measured curve, and what the law gives for each set of constants and of shifts of void ratios."""
         law = Law(**{name: np.atleast_2d(value) for name, value in constants.items()})
         first = len(self.lab.oedometers)
-        found = _compressions(self.lab.oedometers, law, shifts[:first]) if first else []
-        return found + (_shearings(self.lab.triaxials, law, shifts[first:], first) if self.lab.triaxials else [])
+        found: list[MeasuredCurve] = []
+        if first:
+            steps, found = _compressions(self.lab.oedometers, law, shifts[:first])
+            self.steps += steps
+        if self.lab.triaxials:
+            steps, sheared = _shearings(self.lab.triaxials, law, shifts[first:], first)
+            self.steps += steps
+            found += sheared
+        return found
 
     def evaluated(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residuals over their noise, and their derivatives: of all curves, of `knowledge` beside them, of the rest."""
@@ -122,8 +130,8 @@ class Problem:
         return np.split(values[: sum(self.rows)], np.cumsum(self.rows)[:-1])
 
 
-def _compressions(tests: list[Oedometer], law: Any, shifts: np.ndarray) -> list[MeasuredCurve]:
-    """First loading of oedometer tests."""
+def _compressions(tests: list[Oedometer], law: Any, shifts: np.ndarray) -> tuple[int, list[MeasuredCurve]]:
+    """First loading of oedometer tests, after the steps of integration."""
     ends = np.log([[test.stress_Pa[0], test.stress_Pa.max()] for test in tests]).T
     e = np.array([[test.void_ratio[0]] for test in tests]) + shifts
     path = oedometer(law, ends, 1.0 - np.sin(np.radians(law.critical_friction_angle_deg)), e)
@@ -133,11 +141,11 @@ def _compressions(tests: list[Oedometer], law: Any, shifts: np.ndarray) -> list[
         radial, given = path.at(number, np.log(axial))
         loose = _looseness(law, (axial[:, None] + 2.0 * radial) / 3.0, given)
         found.append(MeasuredCurve(number, "void ratio", test.void_ratio[test.loading], given, loose))
-    return found
+    return len(path.control), found
 
 
-def _shearings(tests: list[Triaxial], law: Any, shifts: np.ndarray, first: int) -> list[MeasuredCurve]:
-    """First loading of triaxial tests, q over its largest value; the first of them has this number."""
+def _shearings(tests: list[Triaxial], law: Any, shifts: np.ndarray, first: int) -> tuple[int, list[MeasuredCurve]]:
+    """First loading of triaxial tests, q over its largest value, after the steps; the first has this number."""
     ends = np.array([[min(0.0, test.strain[0]), test.strain.max()] for test in tests]).T
     e = np.array([[test.void_ratio] for test in tests]) + shifts
     path = triaxial(law, ends, np.array([test.cell_Pa for test in tests]), e)
@@ -152,7 +160,7 @@ def _shearings(tests: list[Triaxial], law: Any, shifts: np.ndarray, first: int) 
         if (known := np.isfinite(volume)).any():
             lost = 1.0 - (1.0 + given[known]) / (1.0 + e[k])
             found.append(MeasuredCurve(first + k, "volume strain", volume[known], lost, loose))
-    return found
+    return len(path.control), found
 
 
 def _looseness(law: Any, pressure_Pa: np.ndarray, void_ratio: np.ndarray) -> np.ndarray:

@@ -14,13 +14,14 @@ from taichi_silo.runs.run_folder import named, no_link, writable
 from taichi_silo.show.figures import draw_all
 from taichi_silo.show.figures.calibration import compression_figure, shearing_figure
 from taichi_silo.studies.calibrate.closed_formulas import Guess, first_guess
-from taichi_silo.studies.calibrate.constants import SHOWN, SYMBOLS
-from taichi_silo.studies.calibrate.fit import Fit, fitted
+from taichi_silo.studies.calibrate.constants import SHOWN, SYMBOLS, how_known
+from taichi_silo.studies.calibrate.fit import Fit, Heard, fitted
 from taichi_silo.studies.calibrate.lab_files import read_laboratory
 from taichi_silo.studies.calibrate.lab_tests import Laboratory
 from taichi_silo.studies.calibrate.model_curves import compressions, shearings, with_signs
 from taichi_silo.utils import atomic_write
 from taichi_silo.utils.bounded_reading import place
+from taichi_silo.utils.messages import counted, sentence
 
 SAND, TABLE = "sand.toml", "calibration.csv"
 FIGURES = ("compression", "shearing")
@@ -64,10 +65,10 @@ class Calibration:
         return pd.DataFrame(rows)
 
     def known(self, name: str) -> str:
-        """Whether the tests determine a constant."""
+        """Whether the tests determine a constant: yes, poorly, no, or at the end of its range."""
         if name in self.fit.undetermined:
-            return "no, interval wider than its range"
-        return "at the end of its range" if name in self.fit.at_bound else "yes"
+            return "no"
+        return "at the end of its range" if name in self.fit.at_bound else how_known(self.fit.widths[name])
 
     @property
     def sand(self) -> dict[str, Any]:
@@ -75,11 +76,32 @@ class Calibration:
         index = self.laboratory.index
         means = {name: getattr(index, name) for name in USUAL}
         return {
-            "title": f"{self.name}, from {len(self.laboratory.names)} laboratory tests",
+            "title": f"{self.name}, from {counted(len(self.laboratory.names), 'laboratory test')}",
             "source": "taichi-silo calibrate",
             **{name: float(f"{self.fit.constants[name]:.6g}") for name in SHOWN},
             **{name: float(np.mean(values)) if values else USUAL[name] for name, values in means.items()},
         }
+
+    @property
+    def sand_text(self) -> str:
+        """The sand file; remarks stand at values that no test determines."""
+        remarks = {
+            name: f"first value, {self.guess[name].source}: the tests do not determine it" for name in self.fit.kept
+        }
+        remarks |= {
+            name: "usual of sands: no test says it" for name in USUAL if not getattr(self.laboratory.index, name)
+        }
+        lines = tomli_w.dumps(self.sand).splitlines()
+        names = [line.split(" = ")[0] for line in lines]
+        return "".join(
+            f"{line} # {sentence(remarks[name])}\n" if name in remarks else f"{line}\n"
+            for line, name in zip(lines, names, strict=True)
+        )
+
+    @property
+    def only_typical(self) -> str:
+        """Symbols of the constants that the tests leave as they were, in words; empty if there are none."""
+        return ", ".join(SYMBOLS[name] for name in SHOWN if name in self.fit.kept)
 
     @property
     def words(self) -> list[str]:
@@ -87,11 +109,16 @@ class Calibration:
         fit, found = self.fit, list[str]()
         if fit.rank < len(SHOWN):
             found.append(f"The tests determine {fit.rank} of {len(SHOWN)} directions of the constants.")
-        for name in fit.undetermined:
+        if not fit.settled:
             found.append(
-                f"{SYMBOLS[name]} is not determined: its interval is wider than its range; its first value, "
-                f"{self.guess[name].value:.4g} ({self.guess[name].source}), is as good."
+                "The search was ended before it had settled: the law does not come near the tests; look at them."
             )
+        for name in SHOWN:
+            if name in fit.kept:
+                found.append(f"{SYMBOLS[name]} is not determined: {SAND} keeps {self._first(name)}.")
+            elif name in fit.undetermined:
+                others = f"with the first values of {self.only_typical}" if fit.kept else "with the others"
+                found.append(f"{SYMBOLS[name]} is not determined by itself: it is fitted {others}.")
         found += [f"{SYMBOLS[name]} lies at the end of its range." for name in fit.at_bound]
         for one, other, share in fit.entangled:
             found.append(f"{SYMBOLS[one]} and {SYMBOLS[other]} trade off (correlation {share:.2f}).")
@@ -106,6 +133,12 @@ class Calibration:
                 found.append(f"No test gives the {usual}; {SAND} has {USUAL[name]:g}.")
         return found + [f"{remark}." for remark in self.laboratory.remarks]
 
+    def _first(self, name: str) -> str:
+        """The first value of a constant, as it is kept."""
+        guess, unit = self.guess[name], UNITS.get(name, "")
+        of = "" if np.isclose(self.fit.constants[name], guess.value, rtol=1e-3) else "its share of e_c0 in "
+        return f"{of}its first value, {guess.value:.4g}{' ' if unit else ''}{unit} ({guess.source})"
+
     def as_json(self) -> dict:
         """All numbers, in SI units."""
         return {
@@ -116,7 +149,9 @@ class Calibration:
         }  # fmt: skip
 
 
-def calibrate(lab: str | os.PathLike, output: str | os.PathLike | None = None) -> Calibration:
+def calibrate(
+    lab: str | os.PathLike, output: str | os.PathLike | None = None, heard: Heard | None = None
+) -> Calibration:
     """Determine the constants of a sand from laboratory tests.
 
     Parameters
@@ -124,6 +159,7 @@ def calibrate(lab: str | os.PathLike, output: str | os.PathLike | None = None) -
     lab : folder of CSV files (or one file) of oedometer and drained triaxial tests, angle of repose, limit densities.
     output : folder for sand.toml, calibration.csv and figures; an earlier calibration there is replaced. Nothing is
         written if it is not given.
+    heard : called with a few words after each evaluation of the fit.
 
     Returns
     -------
@@ -132,7 +168,7 @@ def calibrate(lab: str | os.PathLike, output: str | os.PathLike | None = None) -
     Raises
     ------
     BadInput
-        before any work, if a file cannot be understood or there is no test with a curve.
+        before any work, if a file cannot be understood, a test shows what no sand does, or none has a curve.
 
     """
     place_ = place(lab, "lab")
@@ -147,7 +183,7 @@ def calibrate(lab: str | os.PathLike, output: str | os.PathLike | None = None) -
     guess = first_guess(laboratory)
     laboratory = with_signs(laboratory, {name: one.value for name, one in guess.items()})
     guess = first_guess(laboratory)
-    found = Calibration(named(place_), laboratory, guess, fitted(laboratory, guess), [])
+    found = Calibration(named(place_), laboratory, guess, fitted(laboratory, guess, heard), [])
     return found if target is None else _left(found, target)
 
 
@@ -156,7 +192,7 @@ def _left(found: Calibration, folder: Path) -> Calibration:
     for name in PRODUCTS:
         (folder / name).unlink(missing_ok=True)
     with atomic_write.written(folder / SAND) as passing:
-        passing.write_text(tomli_w.dumps(found.sand), encoding="utf-8")
+        passing.write_text(found.sand_text, encoding="utf-8")
     with atomic_write.written(folder / TABLE) as passing:
         found.table.to_csv(passing, index=False, float_format="%.6g", encoding="utf-8")
     fit, lab = found.fit, found.laboratory

@@ -7,7 +7,7 @@ import pandas as pd
 
 from taichi_silo.errors import BadInput
 from taichi_silo.studies.measured_tables import LENGTH, STRESS, MeasuredTable, Units, factor_of, read_table
-from taichi_silo.utils.messages import near, shown
+from taichi_silo.utils.messages import counted, near, shown
 
 FORCE = {"N_per_m": 1.0, "kN_per_m": 1e3, "N/m": 1.0, "kN/m": 1e3}
 OTHER = {"s": 1.0, "deg": 1.0}
@@ -24,6 +24,10 @@ KNOWN: dict[str, dict[str, tuple[str, Units]]] = {  # by kind of the file
     "curves": {name: (f"{name}_{next(iter(units))}", units) for name, units in PLACES.items()} | CURVES,
     "profile": {"height": ("height_m", LENGTH), "depth": ("depth_m", LENGTH)} | PROFILE,
 }
+PRESSING = {  # of what presses and cannot pull
+    "normal_stress_Pa": "the normal stress [Pa]", "P": "P [N/m]", "N": "N [N/m]",
+    "left_normal": "the left normal force [N/m]", "right_normal": "the right normal force [N/m]",
+}  # fmt: skip
 GERMAN = {
     "höhe": "height", "hoehe": "height", "tiefe": "depth", "weg": "displacement", "verschiebung": "displacement",
     "zeit": "time", "normalspannung": "normal_stress", "schubspannung": "shear_stress",
@@ -56,6 +60,21 @@ class Measured:
     def quantities(self) -> list[str]:
         """Names of the columns of measured quantities."""
         return [name for name in self.table if name not in (self.place, "state", "wall")]
+
+    @property
+    def remarks(self) -> list[str]:
+        """A sentence for each quantity that presses and has values that pull: they are compared as they are."""
+        found = []
+        for name in filter(self.quantities.__contains__, PRESSING):
+            known = self.table[name].dropna()
+            pulls = known[known < 0.0]
+            if len(pulls):
+                found.append(
+                    f"{self.name}: {len(pulls)} of {counted(len(known), 'value')} of {PRESSING[name]} "
+                    f"{'is' if len(pulls) == 1 else 'are'} negative, the lowest {pulls.min():.4g}; pressures are "
+                    "positive here, and these are compared as they are; is their sign right?"
+                )
+        return found
 
     def above_bottom(self, surface_m: float) -> "Measured":
         """The same with heights instead of depths below a surface at this height."""

@@ -28,6 +28,7 @@ class Comparison:
     janssen: pd.DataFrame | None
     deviations: pd.DataFrame | None
     files: list[Path]
+    remarks: list[str]  # on what was measured
 
     def as_json(self) -> dict:
         """All numbers, in SI units."""
@@ -39,6 +40,7 @@ class Comparison:
                 for name, table in tables.items()
                 if table is not None
             },
+            "remarks": self.remarks,
             "files": [str(file) for file in self.files],
         }
 
@@ -51,6 +53,7 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, csv: list[Path
     """
     output, runs = place(output, "output"), read_runs(folders)
     measured = [read(file) for file in csv]
+    remarks = [remark for one in measured for remark in one.remarks]
     if len({one.place for one in measured if one.kind == "curves"}) > 1:
         raise BadInput("csv: curves are given over displacement and over time; they must all be over one of them")
     surfaces = {run.scene.silo.height_m for run in runs}
@@ -72,7 +75,8 @@ def compared(folders: list[Path], output: Path, *, janssen: bool, csv: list[Path
             files.append(output / name)
             with atomic_write.written(files[-1]) as passing:
                 table.to_csv(passing, index=False, encoding="utf-8")
-    return Comparison(runs, found, theory, away, files + plot_compared(runs, measured, janssen, output))
+    files += plot_compared(runs, measured, janssen, output)
+    return Comparison(runs, found, theory, away, files, remarks)
 
 
 def read_runs(folders: list[Path]) -> list[Result]:

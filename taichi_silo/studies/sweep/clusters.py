@@ -11,6 +11,7 @@ from pydantic import Field
 
 from taichi_silo.errors import BadInput
 from taichi_silo.scene.scene import cores
+from taichi_silo.utils.messages import counted
 from taichi_silo.utils.process_pool import ProcessPool, Task, run_task, stop_tasks
 from taichi_silo.utils.schema import Options
 
@@ -85,7 +86,7 @@ class Local(Options):
     def check(self) -> None:
         """Refuse more runs at a time than cores."""
         if self.at_once > cores():
-            raise BadInput(f"jobs is {self.jobs}; this machine has 1 to {cores()} cores")
+            raise BadInput(f"jobs is {self.jobs}; this machine has {counted(cores(), 'core')}")
 
     @contextlib.contextmanager
     def pool(self, folder: Path, runs: int, retries: int) -> Iterator[ProcessPool]:

@@ -13,6 +13,7 @@ from taichi_silo.studies.sweep.variations import SAND, differences, used
 from taichi_silo.utils.bounded_reading import place
 from taichi_silo.utils.console import Console
 from taichi_silo.utils.file_lock import alone
+from taichi_silo.utils.messages import counted
 from taichi_silo.utils.process_pool import STOPPED
 
 TABLE = "sweep.csv"
@@ -59,14 +60,15 @@ class Study:
                 f"{name:60s} {cost.points:9,} points {cost.steps:12,} steps {cost.core_seconds:9.3g} core-s"
             )
         whole, at_once = sum(seconds.values()), self.sweep.cluster.at_once
-        words = f"{len(self.runs) - len(self.missing)} runs are there, {len(self.missing)} to do"
+        there = len(self.runs) - len(self.missing)
+        words = f"{counted(there, 'run')} {'is' if there == 1 else 'are'} there, {len(self.missing)} to do"
         if not expected:
             self.console.say(words)
         elif at_once is None:
             self.console.say(f"{words}: about {whole / 3600.0:.3g} core-hours")
         else:
             minutes = max(whole / at_once, max(seconds.values(), default=0.0)) / 60.0
-            self.console.say(f"{words}: about {minutes:.1f} minutes on {min(at_once, len(self.runs))} cores")
+            self.console.say(f"{words}: about {minutes:.1f} minutes on {counted(min(at_once, len(self.runs)), 'core')}")
         return expected
 
     def run(self) -> None:

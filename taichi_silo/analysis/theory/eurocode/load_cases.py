@@ -2,9 +2,10 @@
 
 Each symmetrical load stands twice: with the values of table 3.1 for the largest pressure, and with those for the
 largest friction; pressure and friction of one case belong together, and carry the weight with the solid below. A patch
-is added to the case of largest pressure; it is pressure only. The envelope takes the largest of each over all cases and
-angles, and places of a patch that may stand anywhere. The angle is 0 in the middle of a patch or of a flow channel, on
-the side of the outlet.
+is added to the case of largest pressure; it is pressure only, and takes away no more than is there: a solid does not
+pull at a wall (as far as could be confirmed the clauses do not say it). The envelope takes the largest of each over all
+cases and angles, and places of a patch that may stand anywhere. The angle is 0 in the middle of a patch or of a flow
+channel, on the side of the outlet.
 """
 
 from collections.abc import Callable
@@ -79,7 +80,7 @@ def _patch(silo: EurocodeSilo, patch: PatchLoad) -> LoadCase:
 
     def normal(z: NDArray, angle_deg: float) -> NDArray:
         inside = (np.asarray(z) >= top) & (np.asarray(z) <= foot)
-        return base.normal_Pa(z, angle_deg) + np.where(inside, patch.pressure_at_Pa(angle_deg), 0.0)
+        return np.maximum(base.normal_Pa(z, angle_deg) + np.where(inside, patch.pressure_at_Pa(angle_deg), 0.0), 0.0)
 
     name = f"{patch.state}_patch_{patch.kind.replace('-', '_')}"
     return LoadCase(name, patch.clause, normal, base.shear_Pa, angles, (top, foot), turns)
@@ -115,7 +116,7 @@ def depth_table(
         if one.anywhere:
             base = silo.filling_normal_Pa if one.state == "filling" else silo.discharge_normal_Pa
             lowest = base(np.minimum(z + 0.5 * one.height_m, one.depth_m))  # where a patch that covers z is largest
-            normal += [base(z) + share * lowest for share in one.shares]
+            normal += [np.maximum(base(z) + share * lowest, 0.0) for share in one.shares]
     columns = {
         "depth_m": z,
         "p_hf_Pa": silo.filling_normal_Pa(z), "p_wf_Pa": silo.filling_shear_Pa(z),
