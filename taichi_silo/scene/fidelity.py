@@ -130,5 +130,5 @@ def change(scene: Scene, part: str) -> str:
 
 @cache
 def _all() -> dict[str, dict[str, dict[str, Any]]]:
-    """ "errors" of each scene of the chart, of each fidelity; "changes" of each scene, by each part of the method."""
+    """Of each scene of the chart: "errors" of each fidelity, and "changes" by each part of the method."""
     return tomllib.loads(FILE.read_text(encoding="utf-8"))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from taichi_silo.errors import BadInput
 from taichi_silo.studies.converge.estimate import Number
-from taichi_silo.studies.converge.quantities import FORCES, STATES
+from taichi_silo.studies.converge.quantities import FORCES, NAMES, STATES
 from taichi_silo.utils.messages import near, shown
 
 HEADLINE = tuple(f"{force}_{state}" for state in STATES for force in FORCES)
@@ -29,19 +29,22 @@ class Plan:
             raise BadInput(f"to is {shown(self.error)}; it must be between {LEAST:.2%} and {MOST:.0%}, such as 2%")
         if not self.budget_s > 0.0:
             raise BadInput(f"budget is {shown(self.budget_s)} s; it must be more, such as 20min")
+        for name in self.of:
+            if name not in NAMES:
+                meant = near(name, NAMES)
+                right = f"did you mean {meant}?" if meant else f"it must be one of {', '.join(NAMES)}"
+                raise BadInput(f"of is {shown(name)}; {right}")
         if not 1 <= self.steps <= MOST_STEPS:
             raise BadInput(f"steps is {shown(self.steps)}; it must be between 1 and {MOST_STEPS}")
 
     def asked(self, numbers: Mapping[str, Number]) -> dict[str, Number]:
         """The numbers that the error is asked of.
 
-        Raises BadInput if one of them is not among what the runs found.
+        Raises BadInput if the scene has not one that is named.
         """
         for name in self.of:
             if name not in numbers and self.of != HEADLINE:
-                meant = near(name, numbers)
-                right = f"did you mean {meant}?" if meant else f"it must be one of {', '.join(numbers)}"
-                raise BadInput(f"of is {shown(name)}; {right}")
+                raise BadInput(f"of is {name}; this scene has none, it must be one of {', '.join(numbers)}")
         return {name: numbers[name] for name in self.of if name in numbers}
 
     def worst(self, numbers: Mapping[str, Number]) -> tuple[str, Number] | None:

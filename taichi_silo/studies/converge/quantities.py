@@ -26,6 +26,10 @@ WORDS = {
     "largest": "largest in flow", "pressure": "wall normal stress",
     "zone_thickness": "thickness of the wall's shear zone", "discharge_rate": "rate of discharge",
 }  # fmt: skip
+NAMES = (
+    *(f"{force}_{state}" for state in STATES for force in (*FORCES, "TN")), *EXTREMES,
+    *(f"pressure_{state}_{share:g}" for state in STATES for share in HEIGHTS), "zone_thickness", "discharge_rate",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
