@@ -5,6 +5,7 @@ The first are said before a run starts and kept in its summary: each is a cell o
 """
 
 from taichi_silo.mpm.shapes import SHAPES
+from taichi_silo.scene.cell_sizes import narrowest_m
 from taichi_silo.scene.fidelity import like
 from taichi_silo.scene.flow import slow_speed_m_per_s
 from taichi_silo.scene.scene import Scene
@@ -67,9 +68,8 @@ def of_method(scene: Scene) -> list[str]:
 
 
 def cells_across_outlet(scene: Scene) -> float:
-    """Width of the outlet over that of a cell."""
-    left, right = scene.silo.outlet_m
-    return (right - left) / scene.grid.cell_size_m
+    """Width of the outlet, of several the narrowest, over that of a cell."""
+    return narrowest_m(scene.silo) / scene.grid.cell_size_m
 
 
 def of_results(scene: Scene) -> list[str]:

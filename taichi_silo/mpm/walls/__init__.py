@@ -9,10 +9,10 @@ velocity as a multiple, along x and y, of the plate velocity of the step):
 """
 
 from taichi_silo.mpm.walls.contact import Coulomb, Frictionless, NoSlip, RoughFree
-from taichi_silo.mpm.walls.outlets import Edges, Gate, OpenFloor
+from taichi_silo.mpm.walls.outlets import Edges, Gate, Gates, OpenFloor
 from taichi_silo.mpm.walls.planes import FixedNode, PlaneWall
 from taichi_silo.mpm.walls.surfaces import Surface
 
 __all__ = [
-    "Coulomb", "Edges", "Gate", "Frictionless", "RoughFree", "NoSlip", "OpenFloor", "FixedNode", "PlaneWall", "Surface",
+    "Coulomb", "Edges", "Gate", "Gates", "Frictionless", "RoughFree", "NoSlip", "OpenFloor", "FixedNode", "PlaneWall", "Surface",
 ]  # fmt: skip
