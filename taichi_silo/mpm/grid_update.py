@@ -17,7 +17,7 @@ def velocity_of_wall(wall: ti.template(), step, i, j):
     x, y = step.plate_velocity * wall.motion[0], step.plate_velocity * wall.motion[1]
     if ti.static(getattr(wall, "fade", 0.0) > 0.0):
         y += step.plate_velocity * wall.followed(j)
-    if ti.static(getattr(wall, "gates", None) is not None):
+    if ti.static(getattr(wall, "own_time", False)):
         share = wall.gates.of(wall.gate)
         x, y = share * x, share * y
     return x, y
@@ -29,7 +29,7 @@ def held(wall: ti.template(), step, i, j, x, y):
     base_x, base_y = velocity_of_wall(wall, step, i, j)
     relative, normal = (x - base_x, y - base_y), wall.normal(i, j)
     free_x, free_y = wall.contact.touch(relative, normal)
-    if ti.static(getattr(wall, "bands", None) is not None):
+    if ti.static(getattr(wall, "banded", False)):
         free_x, free_y = wall.bands.touch(relative, normal, wall.slot(i, j))
     if ti.static(getattr(wall, "bears_from", 0) > 0):  # noqa: SIM102 (compiled in or not)
         if j < wall.bears_from:

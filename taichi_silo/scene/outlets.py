@@ -1,7 +1,7 @@
 """Outlets of a silo that a user gives: openings of the floor or of a side wall, each with a gate of its own."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -59,7 +59,7 @@ def _kind(given: Any) -> str:
     return TABLES if isinstance(given, list | tuple) else TABLE
 
 
-Several = Annotated[tuple[Outlet, ...], Field(min_length=1, max_length=MOST_OUTLETS)]
+Several = Annotated[tuple[Outlet, ...], Field(max_length=MOST_OUTLETS)]
 # one table, or an array of them
 OneOrSeveral = Annotated[Annotated[Outlet, Tag(TABLE)] | Annotated[Several, Tag(TABLES)], Discriminator(_kind)]
 
@@ -105,6 +105,12 @@ class Opening:
     def outwards(self) -> tuple[float, float]:
         """Unit vector (x, y) out of the silo."""
         return {"floor": (0.0, -1.0), "left": (-1.0, 0.0), "right": (1.0, 0.0)}[self.wall]
+
+    def shifted(self, shift_m: float) -> "Opening":
+        """The same in a frame that begins so far to the right."""
+        if self.in_floor:
+            return replace(self, low=self.low - shift_m, high=self.high - shift_m)
+        return replace(self, at_m=self.at_m - shift_m)
 
     def box(self, near_m: float, far_m: float, beside_m: float = 0.0) -> tuple[float, float, float, float]:
         """Left, low, right, high [m] of what lies between two distances beyond it, and so far beside its edges."""

@@ -22,6 +22,8 @@ def check(silo: "Silo") -> None:
         _check_outline(silo, silo.outline_m)
     if silo.outlet is not None and silo.hopper is not None:
         raise ValueError("a silo has an outlet in its floor or a hopper, not both: a hopper ends in its own outlet")
+    if silo.outlet == ():
+        raise ValueError("silo.outlet has no entries; without outlets it must be left out, and the floor is the outlet")
     for number, outlet in enumerate(silo.outlets):
         _check_outlet(silo, outlet, silo.openings[number])
     _check_outlets_apart(silo)
@@ -90,8 +92,8 @@ def _check_outlets_apart(silo: "Silo") -> None:
     """Refuse outlets that overlap, or have nothing between them."""
     if silo.section == "round" and not silo.one_opening:
         raise ValueError(
-            f"outlet is {silo.words().removeprefix('round silo, ')}; a round silo, computed by its section, has one "
-            "outlet, in the middle of its floor, which opens with the outflow"
+            f"silo has {' and '.join(one.words() for one in silo.outlets)}; a round silo, computed by its section, must "
+            "have a single outlet, in the middle of its floor, that opens with the outflow"
         )
     found = silo.openings
     for number, one in enumerate(found):

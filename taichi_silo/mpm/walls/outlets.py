@@ -135,6 +135,11 @@ class Edges(AtOpening):
     gate: int = 0
     gates: Gates | None = None
 
+    @property
+    def own_time(self) -> bool:
+        """Whether it moves at a time of its own."""
+        return self.gates is not None
+
     @ti.func
     def holds(self, i, j):
         """Whether node (i, j) is one of them."""
@@ -153,6 +158,11 @@ class Gate(AtOpening):
     motion: tuple[float, float] = (0.0, 1.0)
     gate: int = 0
     gates: Gates | None = None
+
+    @property
+    def own_time(self) -> bool:
+        """Whether it moves at a time of its own."""
+        return self.gates is not None
 
     @ti.func
     def holds(self, i, j):

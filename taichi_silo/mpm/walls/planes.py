@@ -41,6 +41,11 @@ class PlaneWall:
     openings: tuple[tuple[int, int], ...] = ()
     bands: Bands | None = None
 
+    @property
+    def banded(self) -> bool:
+        """Whether its friction changes along it."""
+        return self.bands is not None
+
     def plane(self, grid: Grid) -> tuple[int, int, float]:
         """Axis, side and coordinate [m] (Python scope)."""
         return self.axis, self.side, (self.node - MARGIN) * grid.cell_size
