@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from taichi_silo.scene import polygons
+from taichi_silo.scene import polygons, touching
 from taichi_silo.scene.inserts import Insert
 from taichi_silo.scene.outlets import Opening, Outlet
 
@@ -109,18 +109,14 @@ def _check_outlets_apart(silo: "Silo") -> None:
 def _check_insert(silo: "Silo", insert: Insert) -> None:
     outline = insert.outline(silo.width_m)
     low = outline[:, 1].min()
-    if low <= 0.0:
-        raise ValueError(f"the {insert.kind} reaches down to {low:g} m; it must stand above the floor at 0")
+    if low < -polygons.SAME:
+        raise ValueError(f"the {insert.kind} reaches down to {low:g} m; it must not reach below the floor at 0")
     if outline[:, 1].max() >= silo.height_m:
         raise ValueError(
             f"the {insert.kind} reaches up to {outline[:, 1].max():.4g} m; it must be below the surface of the "
             f"fill at {silo.height_m} m"
         )
-    if not silo.body.contains_properly(shapely.Polygon(outline)):
-        raise ValueError(
-            f"the {insert.kind} between x = {outline[:, 0].min():.4g} and {outline[:, 0].max():.4g} m must stand "
-            f"free of the walls of a silo {silo.width_m} m wide"
-        )
+    touching.check(silo, insert)
 
 
 def _check_round(silo: "Silo") -> None:

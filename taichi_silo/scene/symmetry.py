@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from taichi_silo.scene import bands
+
 if TYPE_CHECKING:
     from taichi_silo.scene.scene import Scene
 
@@ -71,6 +73,8 @@ def _obstacle(scene: "Scene") -> str:
         return f"the outlet's position is {silo.outlets[0].position}"
     if silo.hopper is not None or silo.outline_m is not None or silo.inserts:
         return "hoppers, outlines and inserts are computed whole"
+    if not bands.alike(scene.walls):
+        return f"the walls are not alike ({bands.words(scene.walls)})"
     cells = round(silo.width_m / scene.grid.cell_size_m)
     if cells % 2 or cells < FEWEST_CELLS:
         return f"{cells} cells across have no half (an even number of at least {FEWEST_CELLS} has)"

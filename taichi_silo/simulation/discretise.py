@@ -16,13 +16,14 @@ from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.walls import Coulomb, Edges, Frictionless, Gate, Gates, NoSlip, OpenFloor, PlaneWall, Surface
 from taichi_silo.mpm.walls.outlets import pace_of_edge
-from taichi_silo.scene import polygons
+from taichi_silo.scene import polygons, touching
 from taichi_silo.scene.outlets import Opening
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow
 from taichi_silo.simulation.gates import gated
 from taichi_silo.simulation.model import Model
 from taichi_silo.simulation.section import Section
+from taichi_silo.simulation.wall_friction import banded, of_surface
 from taichi_silo.simulation.wall_forces import BOTTOM, LEFT, RIGHT, WallForces
 
 HEADROOM = 0.1  # of the fill height, free above it; more where sand hangs on a very rough wall while the grid sinks
@@ -182,9 +183,11 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[tuple[Wall, ..
     floor = grid.node_along(0.0)
     # in the corner the floor bears the sand: a wall of no slip would hold it, and where the bottom sinks pull it down
     sides = tuple(replaced(wall, bears_from=floor + 1) if isinstance(wall.contact, NoSlip) else wall for wall in sides)
+    sides = banded(sides, scene.walls, grid)
     if silo.floor_is_outlet:
         fade = max(1.0, FADE * silo.width_m / h)
-        fading = [replaced(wall, fade=fade) if isinstance(wall.contact, NoSlip) else wall for wall in sides]
+        rough = not any(band.from_m < fade * h for band in scene.walls.bands)
+        fading = [replaced(wall, fade=fade) if rough and isinstance(wall.contact, NoSlip) else wall for wall in sides]
         return (*fading, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0))), None
     if not silo.one_opening:
         return gated(sides, openings_of(scene, section), grid, plate)
@@ -231,15 +234,26 @@ def surfaces_of(scene: Scene, section: Section) -> tuple[Surface, ...]:
         if foot == 0.0 or (name == "left" and section.round):
             continue
         inclined = _extended(side[side[:, 1] <= foot + polygons.SAME], h)
-        upwards = [tuple(place) for place in inclined - (section.shift, 0.0)]
-        found.append(Surface(f"hopper_{name}", tuple(upwards if name == "right" else upwards[::-1]), contact))
+        parts = touching.uncovered(silo, inclined if name == "right" else inclined[::-1])
+        if not parts:  # bodies cover it
+            continue
+        surface = Surface(f"hopper_{name}", _line(parts, section), contact, _gaps(parts))
+        found.append(surface if angle is not None else of_surface(surface, name, scene.walls))
     for number, insert in enumerate(silo.inserts):
-        outline = insert.outline(silo.width_m) - (section.shift, 0.0)
-        corners = [tuple(corner) for corner in outline[::-1]]
-        found.append(
-            Surface(f"insert_{number + 1}", (*corners, corners[0]), side_contact(scene, insert.friction_angle_deg))
-        )
+        outline = touching.free_outline(silo, insert)[::-1]
+        own = side_contact(scene, insert.friction_angle_deg)
+        found.append(Surface(f"insert_{number + 1}", _line([outline], section), own))
     return tuple(found)
+
+
+def _line(parts: list[np.ndarray], section: Section) -> tuple[tuple[float, float], ...]:
+    """Corners of a line of parts, in the frame of the grid [m]."""
+    return tuple((float(x), float(y)) for x, y in np.concatenate(parts) - (section.shift, 0.0))
+
+
+def _gaps(parts: list[np.ndarray]) -> tuple[int, ...]:
+    """Numbers of the sides of such a line that lie between its parts."""
+    return tuple(int(end) - 1 for end in np.cumsum([len(part) for part in parts])[:-1])
 
 
 def _extended(side: np.ndarray, length: float) -> np.ndarray:

@@ -14,7 +14,7 @@ from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.point_sums import BELOW
 from taichi_silo.scene import known_limits
 from taichi_silo.scene.scene import Scene
-from taichi_silo.simulation import filling, gates, outflow, restart
+from taichi_silo.simulation import filling, gates, outflow, restart, wall_friction
 from taichi_silo.simulation.alarm import Alarm, Alarms
 from taichi_silo.simulation.clock import Clock, Interval
 from taichi_silo.simulation.discharge import Discharge
@@ -114,6 +114,8 @@ class Simulation:
         before = self.sums
         if before is None or self.sums_revision != model.particles.revision:
             before = solver.point_sums()
+        if model.scene.walls.bands and model.scene.silo.floor_is_outlet:  # they stand still while the grid sinks
+            wall_friction.place(model.walls, model.scene.walls, model.grid, self.origin_m + 0.5 * interval.travel)
         steps, clock.step = self._steps(interval, before)
         held, drag = self.held_mass, model.control.filling_drag if clock.stage == "filling" else 0.0
         begun = time.perf_counter()
