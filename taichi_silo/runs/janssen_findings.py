@@ -48,9 +48,7 @@ def janssen_findings(scene: Scene, filling: dict, points: dict, above: dict[str,
         found["pressure_ratio_fitted"] = (
             bands.fitted(normal)
             if isinstance(bands, BandedJanssen)
-            else float(
-                pressure_ratio_from_normal_force(normal, silo.width_m, straight, density, angle, silo.section)
-            )
+            else float(pressure_ratio_from_normal_force(normal, silo.width_m, straight, density, angle, silo.section))
         )
     except ValueError:  # no pressure ratio gives this force: a wall without contact, or a fill that hangs
         found["pressure_ratio_fitted"] = None

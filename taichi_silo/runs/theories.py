@@ -34,7 +34,7 @@ def layers_of(scene: Scene) -> tuple[tuple[float, float], ...]:
     low, high = heights[:-1], heights[1:]
     rough = math.tan(math.radians(critical_simple_shear_angle_deg(scene.sand.critical_friction_angle_deg)))
     both = [bands.coefficient(walls, wall, low, high) for wall in ("left", "right")]
-    mean = 0.5 * sum(np.where(mu < 0.0, rough, mu) for mu in both)
+    mean = np.mean([np.where(mu < 0.0, rough, mu) for mu in both], axis=0)
     return tuple(zip((high - low)[::-1].tolist(), mean[::-1].tolist(), strict=True))
 
 

@@ -31,12 +31,12 @@ class Outlet(Options):
     def _possible(self):
         if self.wall != "floor" and not isinstance(self.position, float):
             raise ValueError(
-                f"outlet position is {self.position}; of an outlet in the {self.wall} wall it must be the height of its "
-                "middle [m]"
+                f"outlet position is {self.position}; of an outlet in the {self.wall} wall it must be the height of "
+                "its middle [m]"
             )
         if self.closes_at_s is not None and self.closes_at_s <= self.opens_at_s:
             raise ValueError(
-                f"outlet closes_at_s is {self.closes_at_s:g} s; it must be later than opens_at_s of {self.opens_at_s:g} s"
+                f"outlet closes_at_s is {self.closes_at_s:g} s; it must be above opens_at_s of {self.opens_at_s:g} s"
             )
         return self
 
@@ -124,7 +124,9 @@ def mirrored(openings: Iterable[Opening], wide_m: float) -> bool:
     other = {"floor": "floor", "left": "right", "right": "left"}
     here = {_rounded(one.wall, one.low, one.high, one) for one in openings}
     there = {
-        _rounded(other[one.wall], *((wide_m - one.high, wide_m - one.low) if one.in_floor else (one.low, one.high)), one)
+        _rounded(
+            other[one.wall], *((wide_m - one.high, wide_m - one.low) if one.in_floor else (one.low, one.high)), one
+        )
         for one in openings
     }
     return here == there

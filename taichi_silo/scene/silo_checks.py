@@ -92,8 +92,8 @@ def _check_outlets_apart(silo: "Silo") -> None:
     """Refuse outlets that overlap, or have nothing between them."""
     if silo.section == "round" and not silo.one_opening:
         raise ValueError(
-            f"silo has {' and '.join(one.words() for one in silo.outlets)}; a round silo, computed by its section, must "
-            "have a single outlet, in the middle of its floor, that opens with the outflow"
+            f"silo has {' and '.join(one.words() for one in silo.outlets)}; a round silo, computed by its section, "
+            "must have a single outlet, in the middle of its floor, that opens with the outflow"
         )
     found = silo.openings
     for number, one in enumerate(found):
@@ -122,7 +122,8 @@ def _check_insert(silo: "Silo", insert: Insert) -> None:
 def _check_round(silo: "Silo") -> None:
     if silo.outlets and silo.outlets[0].position != "centre":
         raise ValueError(
-            f"outlet position is {silo.outlets[0].position}; in a round silo, computed by its section, it must be centre"
+            f"outlet position is {silo.outlets[0].position}; in a round silo, computed by its section, it must be "
+            "centre"
         )
     wide = silo.width_m
     for insert in silo.inserts:

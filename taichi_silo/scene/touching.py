@@ -13,18 +13,24 @@ NEAR = 1e-7  # a body nearer to a wall than that touches it [m]
 
 
 def check(silo: "Silo", insert: "Insert") -> None:
-    """Refuse a body that reaches beyond the walls, closes the silo or a hollow, or stands in an outlet: a ValueError."""
+    """Refuse a body that reaches beyond the walls, closes the silo, or stands in an outlet: a ValueError."""
     body = shapely.Polygon(insert.outline(silo.width_m))
     left, low, right, _ = body.bounds
     where = f"the {insert.kind} between x = {left:.4g} and {right:.4g} m"
     if not silo.body.buffer(NEAR).covers(body):
-        raise ValueError(f"{where} reaches beyond a wall of a silo {silo.width_m} m wide; it must end at it or before it")
+        raise ValueError(
+            f"{where} reaches beyond a wall of a silo {silo.width_m} m wide; it must end at it or before it"
+        )
     if len(_lines(_free(silo, body))) > 1:
         raise ValueError(f"{where} touches the walls in two places; sand could not pass: it must touch in one at most")
     for one in silo.openings:
         met = body.buffer(NEAR).intersection(shapely.LineString(one.ends)).length
         if met > 2.5 * NEAR:
-            what = "its whole floor is the outlet" if not silo.outlets else f"the outlet is from {one.low:g} to {one.high:g} m"
+            what = (
+                "its whole floor is the outlet"
+                if not silo.outlets
+                else f"the outlet is from {one.low:g} to {one.high:g} m"
+            )
             raise ValueError(f"{where} stands in an outlet ({what}); it must stand beside it" + (
                 "" if silo.outlets or low > 0.0 else ", or above the floor at 0"))  # fmt: skip
 
@@ -35,7 +41,7 @@ def touches(silo: "Silo", insert: "Insert") -> bool:
 
 
 def free_outline(silo: "Silo", insert: "Insert") -> np.ndarray:
-    """The part of a body's outline that meets sand (n, 2), anticlockwise [m]: all of it, closed, where it stands free."""
+    """The part of a body's outline that meets sand (n, 2), anticlockwise [m]; all of it, closed, if it stands free."""
     outline = insert.outline(silo.width_m)
     if not touches(silo, insert):
         return np.concatenate([outline[-1:], outline])

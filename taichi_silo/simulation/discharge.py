@@ -41,15 +41,14 @@ class Discharge:
     points: int = 0
     passing: float = 0.0
     noted: float = 0.0
-    masses: np.ndarray = field(default=None)  # type: ignore[assignment]
-    passing_each: np.ndarray = field(default=None)  # type: ignore[assignment]
-    closed: np.ndarray = field(default=None)  # type: ignore[assignment]
+    masses: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    passing_each: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    closed: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
 
     def __post_init__(self):
         count = len(self.openings)
-        self.masses = np.zeros(count) if self.masses is None else self.masses
-        self.passing_each = np.zeros(count) if self.passing_each is None else self.passing_each
-        self.closed = np.ones(count, bool) if self.closed is None else self.closed
+        self.masses, self.passing_each = np.resize(self.masses, count), np.resize(self.passing_each, count)
+        self.closed = self.closed if len(self.closed) else np.ones(count, bool)
         if count == 1:  # a state of an earlier version has no masses of its own
             self.masses, self.passing_each = np.array([self.mass]), np.array([self.passing])
 
@@ -110,7 +109,7 @@ class Discharge:
             return None
         place = self.particles.array("position")
         by = np.full(len(place), -1)
-        for k in np.flatnonzero(shut):
+        for k in np.flatnonzero(shut).tolist():
             within, along = self._within(k, place)
             by[(within < 0.0) & self._before(k, along)] = k
         return self._take(by)

@@ -15,7 +15,7 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.walls import Coulomb, Edges, Frictionless, Gate, Gates, NoSlip, OpenFloor, PlaneWall, Surface
-from taichi_silo.mpm.walls.outlets import pace_of_edge
+from taichi_silo.mpm.walls.outlets import AtOpening, pace_of_edge
 from taichi_silo.scene import polygons, touching
 from taichi_silo.scene.outlets import Opening
 from taichi_silo.scene.scene import Scene
@@ -23,8 +23,8 @@ from taichi_silo.simulation import filling, outflow
 from taichi_silo.simulation.gates import gated
 from taichi_silo.simulation.model import Model
 from taichi_silo.simulation.section import Section
-from taichi_silo.simulation.wall_friction import banded, of_surface
 from taichi_silo.simulation.wall_forces import BOTTOM, LEFT, RIGHT, WallForces
+from taichi_silo.simulation.wall_friction import banded, of_surface
 
 HEADROOM = 0.1  # of the fill height, free above it; more where sand hangs on a very rough wall while the grid sinks
 
@@ -199,7 +199,8 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[tuple[Wall, ..
 
 def told(walls: tuple[Wall, ...]) -> tuple[tuple[int, ...], tuple[float, ...]]:
     """To which wall of the silo each of the solver's walls belongs, and its horizontal pace (see `WallForces`)."""
-    owners = tuple(BOTTOM if wall.axis == 1 else LEFT if wall.side < 0 else RIGHT for wall in walls)
+    lines = [wall for wall in walls if isinstance(wall, PlaneWall | AtOpening)]
+    owners = tuple(BOTTOM if wall.axis == 1 else LEFT if wall.side < 0 else RIGHT for wall in lines)
     return owners, tuple(wall.motion[0] for wall in walls) if any(wall.motion[0] for wall in walls) else ()
 
 

@@ -19,7 +19,8 @@ def gated(
 
     All openings lie in the frame of the grid. A gate is as rough as the floor, `plate`.
     """
-    gates, found, floor = Gates(len(openings)), [], grid.node_along(0.0)
+    gates, floor = Gates(len(openings)), grid.node_along(0.0)
+    found: list[Wall] = []
     edges = [_edges(one, grid) for one in openings]
     walls = {"left": sides[0], "right": sides[1]}
     for name, wall in walls.items():
@@ -37,9 +38,8 @@ def gated(
         # the plate velocity points down: out of the silo at a floor
         for kind, pace in ((Edges, HALF), (Gate, 1.0)):
             motion = (0.0, pace) if one.in_floor else (-side * pace, 0.0)
-            found.append(
-                kind(line, first, last, plate, axis, side, f"{kind.__name__.lower()}_{number + 1}", motion, number, gates)
-            )  # fmt: skip
+            name = f"{kind.__name__.lower()}_{number + 1}"
+            found.append(kind(line, first, last, plate, axis, side, name, motion, number, gates))
     return (walls["left"], walls["right"], *found), gates
 
 

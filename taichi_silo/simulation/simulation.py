@@ -55,9 +55,7 @@ class Simulation:
         self.warnings, self.alarms = known_limits.of_method(scene), Alarms()
         self.discharge = None
         if not scene.silo.floor_is_outlet:
-            self.discharge = Discharge(
-                model.particles, -EXIT * scene.grid.cell_size_m, model.openings, model.spacing
-            )
+            self.discharge = Discharge(model.particles, -EXIT * scene.grid.cell_size_m, model.openings, model.spacing)
         self.identity = np.arange(model.particles.count)
         self.sums: SimpleNamespace | None = None  # over the points at the last record,
         self.sums_revision: int | None = None  # and which revision of the points that was
@@ -110,7 +108,9 @@ class Simulation:
         if interval.poured is not None:
             self._pour(interval.poured, interval.above)
         if model.gates is not None and interval.gates:
-            self._move_gates(interval)
+            model.gates.move(interval.gates)
+            if interval.gate_is_open and self.discharge is not None:  # a gate that closes cuts the sand that falls
+                self._keep(self.discharge.shut(np.array(interval.gates) == 0.0))
         before = self.sums
         if before is None or self.sums_revision != model.particles.revision:
             before = solver.point_sums()
@@ -194,12 +194,6 @@ class Simulation:
         particles.load({name: np.concatenate([there[name], new[name]]) for name in there})
         self.identity = np.concatenate([self.identity[: len(there["mass"])], chosen])
 
-    def _move_gates(self, interval: Interval) -> None:
-        """Open and close gates as an interval has it; one that closes cuts the sand that falls through it."""
-        self.model.gates.move(interval.gates)
-        if interval.gate_is_open:
-            self._keep(self.discharge.shut(np.array(interval.gates) == 0.0))
-
     def _outlets(self, interval: Interval, impulse: np.ndarray) -> dict:
         """What a record tells of each of several outlets."""
         model = self.model
@@ -209,8 +203,13 @@ class Simulation:
         return {
             "gates": interval.gates or (0.0,) * len(model.openings),
             "gates_N_per_m": gates.forces(model.openings, impulse, first, interval.duration),
-            "outlets_kg_per_m": tuple((model.section.factor * self.discharge.passed_each).tolist()),
+            "outlets_kg_per_m": self.outlets_kg_per_m,
         }
+
+    @property
+    def outlets_kg_per_m(self) -> tuple[float, ...]:
+        """What has left by each opening since the start [kg/m]."""
+        return tuple((self.model.section.factor * self.discharge.passed_each).tolist()) if self.discharge else ()
 
     def _keep(self, kept: np.ndarray | None) -> None:
         """Go on with the points that have stayed (n,); None: all have."""

@@ -1,7 +1,10 @@
 """Friction along the side walls where it changes: bands stand still in the laboratory, the grid may sink."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from taichi_silo.mpm.contracts import Wall
 from taichi_silo.mpm.frozen import replaced
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.walls import Bands, PlaneWall, Surface
@@ -20,7 +23,7 @@ def banded(sides: tuple[PlaneWall, ...], walls: Walls, grid: Grid) -> tuple[Plan
     return found
 
 
-def place(sides: tuple[PlaneWall, ...], walls: Walls, grid: Grid, origin_m: float) -> None:
+def place(sides: Sequence[Wall], walls: Walls, grid: Grid, origin_m: float) -> None:
     """Tell walls with bands where these are, the grid's origin standing at a height [m]."""
     h = grid.cell_size
     for side in sides:
@@ -31,5 +34,7 @@ def place(sides: tuple[PlaneWall, ...], walls: Walls, grid: Grid, origin_m: floa
 
 def of_surface(surface: Surface, wall: str, walls: Walls) -> Surface:
     """An inclined wall with the bands of the "left" or "right" one."""
-    found = tuple((band.from_m or -np.inf, band.top_m, band.friction_angle_deg) for band in walls.bands if band.on(wall))
+    found = tuple(
+        (band.from_m or -np.inf, band.top_m, band.friction_angle_deg) for band in walls.bands if band.on(wall)
+    )
     return replaced(surface, bands=found) if found else surface

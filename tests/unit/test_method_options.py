@@ -10,8 +10,8 @@ from taichi_silo.cli.flags import with_method_flags
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene import known_limits
 from taichi_silo.scene.method_options import MethodOptions
-from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.scene.outlets import Opening
+from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.simulation.discharge import Discharge
 from taichi_silo.simulation.simulation import Simulation
 from validation.stability.bodies import block, change

@@ -19,7 +19,7 @@ from taichi_silo.analysis.theory.janssen import PERIMETER, Janssen, _mean_growth
 
 @dataclass(frozen=True)
 class BandedJanssen(Janssen):
-    """Fill between vertical walls with layers of friction; `wall_friction_angle_deg` is arctan(T / N) of a whole wall."""
+    """Fill between walls with layers of friction; `wall_friction_angle_deg` is arctan(T / N) of a whole wall."""
 
     layers: tuple[tuple[float, float], ...] = ()  # height [m] and mu [-] of each, from the surface down
 
@@ -38,7 +38,9 @@ class BandedJanssen(Janssen):
         super().__post_init__()
         for height, mu in self.layers:
             if not height > 0.0 or not mu >= 0.0:
-                raise ValueError(f"a layer is {height} m high with friction {mu}; both must be positive, friction may be 0")
+                raise ValueError(
+                    f"a layer is {height} m high with friction {mu}; both must be positive, friction may be 0"
+                )
 
     def _resistance(self, mu: float) -> float:
         """1 / z0 of a layer [1/m]."""

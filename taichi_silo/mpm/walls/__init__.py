@@ -15,5 +15,6 @@ from taichi_silo.mpm.walls.planes import FixedNode, PlaneWall
 from taichi_silo.mpm.walls.surfaces import Surface
 
 __all__ = [
-    "Bands", "Coulomb", "Edges", "Gate", "Gates", "Frictionless", "RoughFree", "NoSlip", "OpenFloor", "FixedNode", "PlaneWall", "Surface",
+    "Bands", "Coulomb", "Edges", "Gate", "Gates", "Frictionless", "RoughFree", "NoSlip", "OpenFloor", "FixedNode",
+    "PlaneWall", "Surface",
 ]  # fmt: skip
