@@ -6,9 +6,10 @@ Formulas only; the executors loop over the nodes.
 """
 
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.walls.contact import Frictionless
+from taichi_silo.mpm.walls.contact import Frictionless, NoSlip
 
 KEEPS_IN = Frictionless()  # what a wall does where it does not bear
+STICKS = NoSlip()  # and a gate with what has passed it
 
 
 @ti.func
@@ -34,6 +35,9 @@ def held(wall: ti.template(), step, i, j, x, y):
     if ti.static(getattr(wall, "bears_from", 0) > 0):  # noqa: SIM102 (compiled in or not)
         if j < wall.bears_from:
             free_x, free_y = KEEPS_IN.touch(relative, normal)
+    if ti.static(getattr(wall, "carries", False)):  # noqa: SIM102 (compiled in or not)
+        if wall.beyond(i, j) > 0:
+            free_x, free_y = STICKS.touch(relative, normal)
     return base_x + free_x, base_y + free_y
 
 

@@ -200,6 +200,13 @@ class Scene(Options):
         silo, flow = self.silo, self.flow
         if flow.outflow == "gravity" and silo.floor_is_outlet:
             raise ValueError("outflow is gravity; the silo needs an outlet or a hopper that sand can fall out of")
+        over = flow.longest_s if flow.outflow == "gravity" else flow.displacement_m / flow.speed_m_per_s
+        for number, outlet in enumerate(silo.outlets):
+            if outlet.opens_at_s >= over:
+                raise ValueError(
+                    f"outlet {number + 1} opens at {outlet.opens_at_s:g} s; it must open before the outflow ends, after "
+                    f"{over:.4g} s"
+                )
         most = silo.area_m2 / silo.outlet_share_m
         if silo.floor_is_outlet and flow.displacement_m > silo.height_m:
             raise ValueError(

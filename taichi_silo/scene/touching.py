@@ -19,8 +19,8 @@ def check(silo: "Silo", insert: "Insert") -> None:
     where = f"the {insert.kind} between x = {left:.4g} and {right:.4g} m"
     if not silo.body.buffer(NEAR).covers(body):
         raise ValueError(
-            f"{where} reaches beyond a wall; it must stand free of the walls of a silo {silo.width_m} m wide, or end at "
-            "one of them"
+            f"{where} reaches beyond a wall; it must stand free of the walls of a silo {silo.width_m} m wide, or end "
+            "at one of them"
         )
     if len(_lines(_free(silo, body))) > 1:
         raise ValueError(f"{where} touches the walls in two places; sand could not pass: it must touch in one at most")

@@ -190,7 +190,7 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[tuple[Wall, ..
         fading = [replaced(wall, fade=fade) if rough and isinstance(wall.contact, NoSlip) else wall for wall in sides]
         return (*fading, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0))), None
     if not silo.one_opening:
-        return gated(sides, openings_of(scene, section), grid, plate)
+        return gated(sides, openings_of(scene, section), grid, plate, scene.flow.outflow == "controlled")
     first, last = _edges(scene, section, grid)
     pace = pace_of_edge(last - MARGIN if section.round else None, math.isqrt(scene.grid.points_per_cell))
     edges = Edges(floor, first, last, plate, motion=(0.0, pace))

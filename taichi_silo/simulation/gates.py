@@ -13,11 +13,12 @@ HALF = 0.5  # of the gate's speed, that of its edges
 
 
 def gated(
-    sides: tuple[PlaneWall, ...], openings: tuple[Opening, ...], grid: Grid, plate: Coulomb
+    sides: tuple[PlaneWall, ...], openings: tuple[Opening, ...], grid: Grid, plate: Coulomb, controlled: bool
 ) -> tuple[tuple[Wall, ...], Gates]:
     """Side walls with openings in them; a floor with openings; edges and gate of each; and what moves the gates.
 
-    All openings lie in the frame of the grid. A gate is as rough as the floor, `plate`.
+    All openings lie in the frame of the grid. A gate is as rough as the floor, `plate`; one in a side wall that lets
+    the sand out at a speed carries what has passed it.
     """
     gates, floor = Gates(len(openings)), grid.node_along(0.0)
     found: list[Wall] = []
@@ -36,10 +37,10 @@ def gated(
         axis, side = AWAY[one.wall]
         line = floor if one.in_floor else walls[one.wall].node
         # the plate velocity points down: out of the silo at a floor
-        for kind, pace in ((Edges, HALF), (Gate, 1.0)):
-            motion = (0.0, pace) if one.in_floor else (-side * pace, 0.0)
-            name = f"{kind.__name__.lower()}_{number + 1}"
-            found.append(kind(line, first, last, plate, axis, side, name, motion, number, gates))
+        half, whole = ((0.0, pace) if one.in_floor else (-side * pace, 0.0) for pace in (HALF, 1.0))
+        given, carries = (line, first, last, plate, axis, side), controlled and not one.in_floor
+        found.append(Edges(*given, f"edges_{number + 1}", half, number, gates))
+        found.append(Gate(*given, f"gate_{number + 1}", whole, number, gates, carries))
     return (walls["left"], walls["right"], *found), gates
 
 

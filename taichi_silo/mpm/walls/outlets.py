@@ -152,12 +152,14 @@ class Gate(AtOpening):
     """What the sand in the opening stands on: it sinks with the plate velocity, and the sand with it.
 
     A gate that recedes faster than sand can follow is an open one. `gate` and `gates` are as of `Edges`.
+    One that `carries` takes along what has passed it: from a side wall it would fall.
     """
 
     name: str = "gate"
     motion: tuple[float, float] = (0.0, 1.0)
     gate: int = 0
     gates: Gates | None = None
+    carries: bool = False
 
     @property
     def own_time(self) -> bool:
