@@ -204,8 +204,8 @@ class Scene(Options):
         for number, outlet in enumerate(silo.outlets):
             if outlet.opens_at_s >= over:
                 raise ValueError(
-                    f"outlet {number + 1} opens at {outlet.opens_at_s:g} s; it must open before the outflow ends, after "
-                    f"{over:.4g} s"
+                    f"outlet {number + 1} opens at {outlet.opens_at_s:g} s; it must open before the outflow ends, "
+                    f"after {over:.4g} s"
                 )
         most = silo.area_m2 / silo.outlet_share_m
         if silo.floor_is_outlet and flow.displacement_m > silo.height_m:
