@@ -15,7 +15,8 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.walls import Coulomb, Edges, Frictionless, Gate, Gates, NoSlip, OpenFloor, PlaneWall, Surface
-from taichi_silo.mpm.walls.outlets import AtOpening, pace_of_edge
+from taichi_silo.mpm.walls.outlets import FloorRow, pace_of_edge
+from taichi_silo.mpm.walls.side_outlets import SideColumn
 from taichi_silo.scene import polygons, touching
 from taichi_silo.scene.outlets import Opening
 from taichi_silo.scene.scene import Scene
@@ -199,7 +200,7 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[tuple[Wall, ..
 
 def told(walls: tuple[Wall, ...]) -> tuple[tuple[int, ...], tuple[float, ...]]:
     """To which wall of the silo each of the solver's walls belongs, and its horizontal pace (see `WallForces`)."""
-    lines = [wall for wall in walls if isinstance(wall, PlaneWall | AtOpening)]
+    lines = [wall for wall in walls if isinstance(wall, PlaneWall | FloorRow | SideColumn)]
     owners = tuple(BOTTOM if wall.axis == 1 else LEFT if wall.side < 0 else RIGHT for wall in lines)
     return owners, tuple(wall.motion[0] for wall in walls) if any(wall.motion[0] for wall in walls) else ()
 

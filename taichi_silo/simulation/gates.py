@@ -5,10 +5,9 @@ import numpy as np
 from taichi_silo.mpm.contracts import Wall
 from taichi_silo.mpm.frozen import replaced
 from taichi_silo.mpm.grid import MARGIN, Grid
-from taichi_silo.mpm.walls import Coulomb, Edges, Gate, Gates, OpenFloor, PlaneWall
+from taichi_silo.mpm.walls import Coulomb, Edges, Gate, Gates, OpenFloor, PlaneWall, SideEdges, SideGate
 from taichi_silo.scene.outlets import Opening
 
-AWAY = {"floor": (1, -1), "left": (0, -1), "right": (0, 1)}  # axis and side of a wall
 HALF = 0.5  # of the gate's speed, that of its edges
 
 
@@ -34,13 +33,15 @@ def gated(
     else:
         found.append(PlaneWall("floor", 1, -1, floor, plate))
     for number, (one, (first, last)) in enumerate(zip(openings, edges, strict=True)):
-        axis, side = AWAY[one.wall]
-        line = floor if one.in_floor else walls[one.wall].node
-        # the plate velocity points down: out of the silo at a floor
-        half, whole = ((0.0, pace) if one.in_floor else (-side * pace, 0.0) for pace in (HALF, 1.0))
-        given, carries = (line, first, last, plate, axis, side), controlled and not one.in_floor
-        found.append(Edges(*given, f"edges_{number + 1}", half, number, gates))
-        found.append(Gate(*given, f"gate_{number + 1}", whole, number, gates, carries))
+        names = f"edges_{number + 1}", f"gate_{number + 1}"
+        if one.in_floor:
+            found.append(Edges(floor, first, last, plate, names[0], (0.0, HALF), number, gates))
+            found.append(Gate(floor, first, last, plate, names[1], (0.0, 1.0), number, gates))
+        else:
+            side, node = -1 if one.wall == "left" else 1, walls[one.wall].node
+            half, whole = (-side * HALF, 0.0), (-float(side), 0.0)  # the plate velocity is negative
+            found.append(SideEdges(node, side, first, last, plate, names[0], half, number, gates))
+            found.append(SideGate(node, side, first, last, plate, names[1], whole, number, gates, controlled))
     return (walls["left"], walls["right"], *found), gates
 
 

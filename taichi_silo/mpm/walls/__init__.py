@@ -12,9 +12,10 @@ from taichi_silo.mpm.walls.bands import Bands
 from taichi_silo.mpm.walls.contact import Coulomb, Frictionless, NoSlip, RoughFree
 from taichi_silo.mpm.walls.outlets import Edges, Gate, Gates, OpenFloor
 from taichi_silo.mpm.walls.planes import FixedNode, PlaneWall
+from taichi_silo.mpm.walls.side_outlets import SideEdges, SideGate
 from taichi_silo.mpm.walls.surfaces import Surface
 
 __all__ = [
     "Bands", "Coulomb", "Edges", "Gate", "Gates", "Frictionless", "RoughFree", "NoSlip", "OpenFloor", "FixedNode",
-    "PlaneWall", "Surface",
+    "PlaneWall", "SideEdges", "SideGate", "Surface",
 ]  # fmt: skip

@@ -59,17 +59,26 @@ class Gates:
         return self.share[gate]
 
 
+class OwnTime:
+    """A wall that may move with a gate of its own: `gate` is its number among `gates`."""
+
+    gates: Gates | None
+
+    @property
+    def own_time(self) -> bool:
+        """Whether it moves at a time of its own."""
+        return self.gates is not None
+
+
 @frozen
-class AtOpening:
-    """What lies beyond a line of nodes with an opening in it, that of a floor unless told otherwise.
+class FloorRow:
+    """What lies below a row of nodes.
 
     Parameters
     ----------
-    row : of the nodes on its line; of a side wall their column.
-    first, last : columns, or rows, of the nodes at the edges of the opening.
+    row : of the nodes on its line.
+    first, last : columns of the nodes at the edges of the opening.
     contact : how it acts.
-    axis : 1 for a floor, 0 for a wall at constant x.
-    side : -1 if the sand lies at greater coordinates, +1 if at smaller ones.
 
     """
 
@@ -77,28 +86,25 @@ class AtOpening:
     first: int
     last: int
     contact: Coulomb | NoSlip
-    axis: int = 1
-    side: int = -1
+
+    @property
+    def axis(self) -> int:
+        """Along which its normal points."""
+        return 1
 
     @ti.func
     def slot(self, i, j):
-        """The column, or the row."""
-        return ti.select(self.axis == 0, j, i)
-
-    @ti.func
-    def beyond(self, i, j):
-        """How many nodes node (i, j) lies beyond the line."""
-        return (ti.select(self.axis == 0, i, j) - self.row) * self.side
+        """The column."""
+        return i
 
     @ti.func
     def normal(self, i, j):
-        """Unit normal out of the sand."""
-        across = 1.0 if self.axis == 0 else 0.0
-        return across * self.side, (1.0 - across) * self.side
+        """Downwards."""
+        return 0.0, -1.0
 
 
 @frozen
-class OpenFloor(AtOpening):
+class OpenFloor(FloorRow):
     """The floor beside the opening; it stands still.
 
     Parameters
@@ -121,7 +127,7 @@ class OpenFloor(AtOpening):
 
 
 @frozen
-class Edges(AtOpening):
+class Edges(OwnTime, FloorRow):
     """The nodes at the edges of the opening.
 
     Parameters
@@ -135,41 +141,27 @@ class Edges(AtOpening):
     gate: int = 0
     gates: Gates | None = None
 
-    @property
-    def own_time(self) -> bool:
-        """Whether it moves at a time of its own."""
-        return self.gates is not None
-
     @ti.func
     def holds(self, i, j):
         """Whether node (i, j) is one of them."""
-        along = self.slot(i, j)
-        return self.beyond(i, j) == 0 and (along == self.first or along == self.last)
+        return j == self.row and (i == self.first or i == self.last)
 
 
 @frozen
-class Gate(AtOpening):
+class Gate(OwnTime, FloorRow):
     """What the sand in the opening stands on: it sinks with the plate velocity, and the sand with it.
 
     A gate that recedes faster than sand can follow is an open one. `gate` and `gates` are as of `Edges`.
-    One that `carries` takes along what has passed it: from a side wall it would fall.
     """
 
     name: str = "gate"
     motion: tuple[float, float] = (0.0, 1.0)
     gate: int = 0
     gates: Gates | None = None
-    carries: bool = False
-
-    @property
-    def own_time(self) -> bool:
-        """Whether it moves at a time of its own."""
-        return self.gates is not None
 
     @ti.func
     def holds(self, i, j):
         """Whether node (i, j) lies in the opening."""
-        along, beyond = self.slot(i, j), self.beyond(i, j)
-        return (beyond == 0 and along > self.first and along < self.last) or (
-            beyond > 0 and along >= self.first and along <= self.last
+        return (j == self.row and i > self.first and i < self.last) or (
+            j < self.row and i >= self.first and i <= self.last
         )
