@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from taichi_silo.mpm.walls.surfaces import Surface
-from taichi_silo.scene import touching
+from taichi_silo.mpm.walls import Coulomb, Surface
+from taichi_silo.scene import known_limits, touching
 from taichi_silo.scene.scene import Mesh, Scene
 from taichi_silo.scene.silo import Insert, Silo
 from taichi_silo.simulation.discretise import Section, surfaces_of
@@ -73,8 +73,6 @@ def test_the_wall_of_a_hopper_ends_where_a_body_covers_it():
 
 
 def test_a_line_with_a_gap_has_no_stations_there():
-    from taichi_silo.mpm.walls import Coulomb
-
     line = Surface("wall", ((0.0, 0.0), (0.1, 0.0), (0.2, 0.0), (0.3, 0.0)), Coulomb(), gaps=(1,))
     places, _, lengths = line.stations(0.02)
     assert lengths.sum() == pytest.approx(0.2)
@@ -101,3 +99,11 @@ def test_a_ledge_round_a_cylinder_is_a_ring():
     assert sum(right.stations(0.01)[2]) == pytest.approx(0.12, abs=1e-5)
     with pytest.raises(ValidationError, match="ring"):
         Silo(section="round", inserts=(Insert.polygon(ROD),))
+
+
+@pytest.mark.parametrize(("cell_m", "told"), [(0.01, False), (0.0125, True), (0.025, True)])
+def test_a_body_thinner_than_two_cells_gets_a_word_before_the_run(cell_m, told):
+    """Sand reaches a cell into it from each side."""
+    scene = Scene(silo=Silo(inserts=(Insert.polygon(ROD),)), grid=Mesh(cell_size_m=cell_m))
+    words = [one for one in known_limits.of_method(scene) if one.startswith("Insert 1, a polygon, is less than 2")]
+    assert bool(words) == told
