@@ -71,8 +71,8 @@ def of_method(scene: Scene) -> list[str]:
     for number, insert in enumerate(scene.silo.inserts):
         if shapely.Polygon(insert.outline(scene.silo.width_m)).buffer(-0.5 * THICK * h * (1.0 - 1e-6)).is_empty:
             found.append(
-                f"Insert {number + 1}, a {insert.kind}, is less than {THICK} cells of {1e3 * h:g} mm thick: the sand on "
-                "both of its sides shares nodes, and drags itself along through it."
+                f"Insert {number + 1}, a {insert.kind}, is less than {THICK} cells of {1e3 * h:g} mm thick: the sand "
+                "on both of its sides shares nodes, and drags itself along through it."
             )
     return found
 

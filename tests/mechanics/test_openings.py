@@ -51,16 +51,20 @@ def test_what_left_by_each_outlet_sums_to_what_is_missing(gated):
 
 
 def test_each_gate_lets_out_what_it_sweeps(gated):
-    """Width times the way of the gate, less what dense sand dilates; in the side wall, too."""
+    """Width times the way of the gate, less what dense sand dilates.
+
+    What begins to move sideways, under little pressure, loosens first: that gate runs ahead by a part of a cell.
+    """
     way, before = np.zeros(3), 0.0
     for record in gated.flow:
         way += np.array(record.gates) * (record.displacement_m - before)
         before = record.displacement_m
-    swept = gated.model.density * 0.08 * way
     assert way[0] == pytest.approx(0.02)
     assert way[1] < 0.6 * way[0]  # it closes
-    assert np.all(np.array(gated.flow[-1].outlets_kg_per_m) > 0.93 * swept)
-    assert np.all(np.array(gated.flow[-1].outlets_kg_per_m) < 1.01 * swept)
+    out = np.array(gated.flow[-1].outlets_kg_per_m) / (gated.model.density * 0.08)  # as a way of the gate
+    assert np.all(out[:2] > 0.93 * way[:2])
+    assert np.all(out[:2] < 1.01 * way[:2])
+    assert 0.0 < way[2] - out[2] < 0.1 * 0.02
 
 
 def test_a_gate_moves_only_while_it_is_open(gated):
