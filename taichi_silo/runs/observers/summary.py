@@ -24,6 +24,7 @@ from taichi_silo.runs.observers.wall_profiles import WallProfiles
 from taichi_silo.runs.result import at_rest, residual
 from taichi_silo.runs.theories import theory_of
 from taichi_silo.scene.outlets import Outlet
+from taichi_silo.simulation import outflow
 from taichi_silo.utils import atomic_write
 
 MEASURED = (0.9, 1.0)  # of the flow: between which its pattern is measured
@@ -180,11 +181,13 @@ class Summary(Observer):
         """What has left by each of several outlets, and its mean rate while sand of the outflow left."""
         simulation, since = self.simulation, self.simulation.clock.flow_start
         seconds = 0.0 if since is None else simulation.time - since
+        free, model = simulation.scene.flow.outflow == "gravity", simulation.model
+        closing = 0.0 if free else outflow.start(simulation.scene, model.period)
         return [
             {
                 "outlet": outlet.words(),
                 "discharged_kg_per_m": mass,
-                "mean_rate_kg_per_s_m": mass / open_s if (open_s := _open_s(outlet, seconds)) else 0.0,
+                "mean_rate_kg_per_s_m": mass / open_s if (open_s := _open_s(outlet, seconds, closing)) else 0.0,
                 "open_s": open_s,
             }
             for outlet, mass in zip(simulation.scene.silo.outlets, simulation.outlets_kg_per_m, strict=True)
@@ -253,9 +256,10 @@ class Summary(Observer):
         return found
 
 
-def _open_s(outlet: Outlet, seconds: float) -> float:
-    """For how long an outlet was open in an outflow of so many seconds [s]."""
-    return max(0.0, min(seconds, math.inf if outlet.closes_at_s is None else outlet.closes_at_s) - outlet.opens_at_s)
+def _open_s(outlet: Outlet, seconds: float, closing_s: float) -> float:
+    """For how long an outlet was not closed in an outflow of so many seconds, if its gate takes a time to close [s]."""
+    end = math.inf if outlet.closes_at_s is None else outlet.closes_at_s + closing_s
+    return max(0.0, min(seconds, end) - outlet.opens_at_s)
 
 
 STATES = ("after_filling", "before", "mid")

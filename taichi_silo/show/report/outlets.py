@@ -18,4 +18,4 @@ def outlet_table(run: Result) -> ReportTable | None:
         for place, one in enumerate(found)
     ]  # fmt: skip
     head = ("outlet", "mass (kg/m)", "mean rate (kg/s per m)", "open for (s)")
-    return ReportTable(head, tuple(rows), "The rate is the mean over the time for which the gate was open.")
+    return ReportTable(head, tuple(rows), "The rate is the mean until the gate was closed.")

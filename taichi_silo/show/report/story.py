@@ -68,7 +68,7 @@ def _times(run: Result) -> str:
     words = ""
     for number, outlet in enumerate(run.scene.silo.outlets):
         if outlet.timed:
-            until = "" if outlet.closes_at_s is None else f" and closes after {plain(outlet.closes_at_s)} s"
+            until = "" if outlet.closes_at_s is None else f" and begins to close after {plain(outlet.closes_at_s)} s"
             words += f" Gate {number + 1} opens after {plain(outlet.opens_at_s)} s{until}."
     return words
 
