@@ -35,6 +35,7 @@ class Grid:
     follows : "bottom": the grid rides on the plate; "top": its height follows the plate, y = 0 stands still;
         "surface": its height follows the free nodes at y = height; "nothing".
     periodic : whether column `width / h` is column 0 again.
+    open_sides : whether sand may leave beside the box, as it may below it.
 
     """
 
@@ -42,14 +43,14 @@ class Grid:
 
     def __init__(
         self, width_m: float, height_m: float, cell_size_m: float, copies: int = 1, follows: str = "bottom",
-        periodic: bool = False,
+        periodic: bool = False, open_sides: bool = False,
     ):  # fmt: skip
         if follows not in self.FOLLOWS:
             raise ValueError(f"follows is {follows!r}; it must be one of {', '.join(self.FOLLOWS)}")
         if follows == "surface" and not periodic:
             raise ValueError("a grid that follows the surface must be periodic: its first column must hold sand")
         self.cell_size, self.height = cell_size_m, height_m
-        self.follows, self.periodic = follows, periodic
+        self.follows, self.periodic, self.open_sides = follows, periodic, open_sides
         self.columns = round(width_m / cell_size_m) + (0 if periodic else 1 + 2 * MARGIN)
         self.top = round(height_m / cell_size_m) + MARGIN
         self.rows = self.top + 1 + MARGIN

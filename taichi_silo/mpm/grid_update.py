@@ -6,9 +6,10 @@ Formulas only; the executors loop over the nodes.
 """
 
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.walls.contact import Frictionless
+from taichi_silo.mpm.walls.contact import Frictionless, NoSlip
 
 KEEPS_IN = Frictionless()  # what a wall does where it does not bear
+STICKS = NoSlip()  # and a gate with what has passed it
 
 
 @ti.func
@@ -17,6 +18,9 @@ def velocity_of_wall(wall: ti.template(), step, i, j):
     x, y = step.plate_velocity * wall.motion[0], step.plate_velocity * wall.motion[1]
     if ti.static(getattr(wall, "fade", 0.0) > 0.0):
         y += step.plate_velocity * wall.followed(j)
+    if ti.static(getattr(wall, "own_time", False)):
+        share = wall.gates.of(wall.gate)
+        x, y = share * x, share * y
     return x, y
 
 
@@ -26,9 +30,14 @@ def held(wall: ti.template(), step, i, j, x, y):
     base_x, base_y = velocity_of_wall(wall, step, i, j)
     relative, normal = (x - base_x, y - base_y), wall.normal(i, j)
     free_x, free_y = wall.contact.touch(relative, normal)
+    if ti.static(getattr(wall, "banded", False)):
+        free_x, free_y = wall.bands.touch(relative, normal, wall.slot(i, j))
     if ti.static(getattr(wall, "bears_from", 0) > 0):  # noqa: SIM102 (compiled in or not)
         if j < wall.bears_from:
             free_x, free_y = KEEPS_IN.touch(relative, normal)
+    if ti.static(getattr(wall, "carries", False)):  # noqa: SIM102 (compiled in or not)
+        if wall.beyond(i, j) > 0:
+            free_x, free_y = STICKS.touch(relative, normal)
     return base_x + free_x, base_y + free_y
 
 

@@ -79,7 +79,8 @@ class PointSums:
         if -trace((s[0], s[1], s[2], s[3])) <= 3.0 * self.law.rest_stress * (1.0 + 1e-9):
             separated = 1.0
         h, up = self.grid.cell_size, self.grid.cell_height(0)
-        across = self.grid.periodic or (x[0] > -h and x[0] < (self.grid.columns - 4) * h)
+        beside = BELOW if ti.static(self.grid.open_sides) else 1.0
+        across = self.grid.periodic or (x[0] > -beside * h and x[0] < (self.grid.columns - 5 + beside) * h)
         inside = across and x[1] > -BELOW * up and x[1] < (self.grid.rows - 4) * up
         finite = trace((s[0], s[1], s[2], s[3])) + speed < 1e300
         if not (inside and finite):

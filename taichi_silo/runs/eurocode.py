@@ -25,8 +25,7 @@ def eurocode_of(scene: Scene | Design) -> EurocodeSilo | None:
     height = silo.straight_m
     if not height:
         return None
-    left, right = silo.outlet_m
-    eccentricity = abs(0.5 * (left + right) - 0.5 * silo.width_m)
+    eccentricity = silo.eccentricity_m
     return EurocodeSilo(
         silo.width_m, height, Solid(**code.stored), wall=code.wall or ("D2" if scene.walls.kind == "smooth" else "D3"),
         section=silo.section, length_m=code.length_m, filling_eccentricity_m=code.filling_eccentricity_m,

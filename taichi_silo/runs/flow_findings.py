@@ -49,8 +49,10 @@ def flow_findings(filled: dict, before: dict, now: dict, scene: Scene) -> dict:
             "stagnant_area_share": pattern.stagnant_area_share,
             "between_s": [before["time_s"], now["time_s"]],
         }
-    if outflow > 0.0 and not silo.floor_is_outlet:  # sand on a bottom that sinks as a whole stays on it
-        stay = residence(place, velocity, volume, silo.width_m, outflow, silo.outlet_m)
+    in_floor = all(one.in_floor for one in silo.openings)
+    if outflow > 0.0 and in_floor and not silo.floor_is_outlet:  # sand on a bottom that sinks as a whole stays on it
+        outlets = tuple((one.low, one.high) for one in silo.openings)
+        stay = residence(place, velocity, volume, silo.width_m, outflow, outlets)
         found["residence"] = {
             "plug_time_s": stay.plug_time_s,
             "over_plug": dict(zip([f"{level:g}" for level in stay.quantiles], stay.over_plug, strict=True)),

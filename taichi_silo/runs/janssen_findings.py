@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from taichi_silo.analysis.theory.banded_janssen import BandedJanssen
 from taichi_silo.analysis.theory.janssen import pressure_ratio_from_normal_force
 from taichi_silo.runs.theories import janssen_of
 from taichi_silo.scene.scene import Scene
@@ -32,6 +33,9 @@ def janssen_findings(scene: Scene, filling: dict, points: dict, above: dict[str,
         angle = filling["wall_friction_angle_deg"] if straight else math.nan
         if silo.one_sided:
             angle = math.degrees(math.atan2(forces["shear_N_per_m"], forces["normal_N_per_m"]))
+    bands = janssen_of(scene, 0.0, scene.law.rest_pressure_ratio(scene.sand.void_ratio)) if straight else None
+    if isinstance(bands, BandedJanssen):
+        angle = bands.wall_friction_angle_deg
     found = {
         "wall_friction_angle_deg": angle,
         "pressure_ratio_K0": scene.law.rest_pressure_ratio(scene.sand.void_ratio),
@@ -39,12 +43,12 @@ def janssen_findings(scene: Scene, filling: dict, points: dict, above: dict[str,
     }
     if not straight:  # inclined walls up to the surface
         return found
-    density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
+    density, normal = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2, forces["normal_N_per_m"]
     try:
-        found["pressure_ratio_fitted"] = float(
-            pressure_ratio_from_normal_force(
-                forces["normal_N_per_m"], silo.width_m, straight, density, angle, silo.section
-            )
+        found["pressure_ratio_fitted"] = (
+            bands.fitted(normal)
+            if isinstance(bands, BandedJanssen)
+            else float(pressure_ratio_from_normal_force(normal, silo.width_m, straight, density, angle, silo.section))
         )
     except ValueError:  # no pressure ratio gives this force: a wall without contact, or a fill that hangs
         found["pressure_ratio_fitted"] = None

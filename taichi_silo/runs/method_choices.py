@@ -12,6 +12,7 @@ from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.laws.integrate import LOCAL_ERROR
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene import fidelity
+from taichi_silo.scene import cell_sizes
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.stress_filter import filter_of
 from taichi_silo.scene.symmetry import half_model
@@ -86,11 +87,11 @@ def accuracy(scene: Scene) -> Part:
 def cell_size(scene: Scene) -> Part:
     """As given, or chosen to fit the silo."""
     silo, h = scene.silo, scene.grid.cell_size_m
-    left, right = silo.outlet_m
+    narrow = cell_sizes.narrowest_m(silo)
     why = "Not given, so chosen to fit" if scene.grid.chosen else "As given"
     because = (
         f"{why}: {round(silo.width_m / h)} cells across, {round(silo.height_m / h)} along the height, "
-        f"{(right - left) / h:.3g} across the outlet."
+        f"{narrow / h:.3g} across the outlet."
     )
     return Part("cell size", f"{1e3 * h:.6g} mm", because, "--cell-size")
 
@@ -229,9 +230,8 @@ def sand_at_rest(scene: Scene) -> Part:
     """Nothing rests above a bottom that sinks as a whole; beside an outlet sand does, but waves cross it."""
     because = f"0 of {scene.points} points rest: the whole fill sinks with the bottom."
     if not scene.silo.floor_is_outlet:
-        left, right = scene.silo.outlet_m
         because = (
-            f"Sand beside the outlet of {1e3 * (right - left):g} mm may rest, but it carries what moves: its stress "
-            "changes in every step."
+            f"Sand beside the outlet of {1e3 * cell_sizes.narrowest_m(scene.silo):g} mm may rest, but it carries what "
+            "moves: its stress changes in every step."
         )
     return Part("sand at rest", "stepped", because)

@@ -11,7 +11,10 @@ import pandas as pd
 
 from taichi_silo.errors import BadInput
 from taichi_silo.runs import snapshot
+from taichi_silo.runs.observers.outflow import columns_of
 from taichi_silo.runs.run_folder import MADE
+from taichi_silo.scene import bands
+from taichi_silo.scene.outlets import mirrored
 from taichi_silo.scene.scene import Scene, cores
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.utils import bounded_reading
@@ -22,6 +25,7 @@ FORCES = (
     "time_s", "stage", "displacement_m", "bottom_force_N_per_m", "left_normal_N_per_m", "left_shear_N_per_m",
     "right_normal_N_per_m", "right_shear_N_per_m", "wall_friction_angle_deg", "weight_N_per_m",
 )  # fmt: skip
+OUTFLOW = ("time_s", "stage", "displacement_m")
 BALANCE = ("time_s", "stage", "residual_N_per_m")
 WALLS = ("state", "wall", "height_m", "normal_stress_Pa", "shear_stress_Pa")
 SNAPSHOTS = ("file", "stage", "time_s", "displacement_m")
@@ -117,8 +121,8 @@ class Result(os.PathLike):
     @property
     def lopsided(self) -> bool:
         """Whether left and right wall are not alike."""
-        left, right = self.scene.silo.outlet_m
-        return abs(left + right - self.scene.silo.width_m) > 1e-9
+        silo = self.scene.silo
+        return not (mirrored(silo.openings, silo.width_m) and bands.alike(self.scene.walls))
 
     # what came out
 
@@ -172,6 +176,13 @@ class Result(os.PathLike):
     def balance(self) -> pd.DataFrame:
         """`balance.csv`: how far forces, weight and momentum balance."""
         return self._table("balance.csv", BALANCE)
+
+    @cached_property
+    def outflow(self) -> pd.DataFrame:
+        """`outflow.csv`: what has left by each of several outlets, how fast, and the force on its gate."""
+        silo = self.scene.silo
+        outlets = () if silo.one_opening else range(1, len(silo.outlets) + 1)
+        return self._table("outflow.csv", (*OUTFLOW, *(name for number in outlets for name in columns_of(number))))
 
     @cached_property
     def walls(self) -> pd.DataFrame:

@@ -25,9 +25,9 @@ CHECKPOINT = "checkpoint.npz"  # from which it goes on
 INSIDE = ("figures", "snapshots", "csv", "wall-loads")  # folders in it
 MADE = "run.toml"  # its presence says that the folder holds a run
 PRODUCTS = (
-    MADE, "run.log", "summary.json", "forces.csv", "balance.csv", "walls.csv", "film_states.bin", "checkpoint*.npz",
-    "curve.csv", "points.npz", "points.vtu", "scene.json", "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv",
-    "snapshots/silo.pvd",
+    MADE, "run.log", "summary.json", "forces.csv", "balance.csv", "outflow.csv", "walls.csv", "film_states.bin",
+    "checkpoint*.npz", "curve.csv", "points.npz", "points.vtu", "scene.json", "figures/*.png", "snapshots/*.vtu",
+    "snapshots/index.csv", "snapshots/silo.pvd",
     *(f"{field}{ending}" for field in FIELDS for ending in (".mp4", ".*.mp4", "_*.png")),  # films and pictures
     "silo.vtkhdf", "csv/*.csv", "wall-loads/*.*", "report.html",
 )  # fmt: skip

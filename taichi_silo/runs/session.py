@@ -13,6 +13,7 @@ from taichi_silo.runs.observers.checkpoint import Checkpoint
 from taichi_silo.runs.observers.forces import BALANCE, FORCES, Table
 from taichi_silo.runs.observers.guard import Guard
 from taichi_silo.runs.observers.log import Log
+from taichi_silo.runs.observers.outflow import Outflow
 from taichi_silo.runs.observers.snapshots import Snapshots
 from taichi_silo.runs.observers.summary import Summary
 from taichi_silo.runs.observers.wall_profiles import WallProfiles
@@ -127,9 +128,11 @@ class _Session:
         profiles = WallProfiles(folder / "walls.csv")
         self.summary = Summary(folder / "summary.json", profiles)
         self.log = Log(folder / "run.log")
+        model = self.simulation.model
         self.observers: dict[str, Observer] = {
             "forces": Table(folder / "forces.csv", FORCES, bodies=True),
             "balance": Table(folder / "balance.csv", BALANCE),
+            **({} if model.gates is None else {"outflow": Outflow(folder / "outflow.csv", len(model.openings))}),
             "profiles": profiles,
             "snapshots": Snapshots(folder, snapshot.shown_displacements(scene.flow), scene.snapshots),
             "summary": self.summary,  # after those whose files it reads

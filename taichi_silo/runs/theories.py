@@ -3,19 +3,39 @@
 import math
 from typing import Any
 
+import numpy as np
+
 from taichi_silo.analysis.theory import beverloo
+from taichi_silo.analysis.theory.banded_janssen import BandedJanssen
 from taichi_silo.analysis.theory.janssen import Janssen
 from taichi_silo.analysis.theory.walker import WalkerHopper
 from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.runs.eurocode import eurocode_findings
+from taichi_silo.scene import bands
 from taichi_silo.scene.scene import Scene
 
 
 def janssen_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> Janssen:
-    """Janssen's theory of the part with vertical walls."""
+    """Janssen's theory of the part with vertical walls; through the bands of walls whose friction changes."""
     silo = scene.silo
     density = scene.density_kg_per_m3 * scene.method.gravity_m_per_s2
+    if scene.walls.bands:
+        return BandedJanssen.through(silo.width_m, density, pressure_ratio, silo.section, layers_of(scene))
     return Janssen(silo.width_m, silo.straight_m, density, angle_deg, pressure_ratio, section=silo.section)
+
+
+def layers_of(scene: Scene) -> tuple[tuple[float, float], ...]:
+    """Height [m] and mean friction coefficient of both walls of each layer of the vertical part, from the surface down.
+
+    Where a wall is very rough it is that of critical simple shear.
+    """
+    silo, walls = scene.silo, scene.walls
+    heights = bands.levels(walls, silo.transition_m, silo.height_m)
+    low, high = heights[:-1], heights[1:]
+    rough = math.tan(math.radians(critical_simple_shear_angle_deg(scene.sand.critical_friction_angle_deg)))
+    both = [bands.coefficient(walls, wall, low, high) for wall in ("left", "right")]
+    mean = np.mean([np.where(mu < 0.0, rough, mu) for mu in both], axis=0)
+    return tuple(zip((high - low)[::-1].tolist(), mean[::-1].tolist(), strict=True))
 
 
 def critical_simple_shear_angle_deg(critical_friction_angle_deg: float) -> float:
@@ -36,6 +56,9 @@ def hopper_of(
     silo, hopper = scene.silo, scene.silo.hopper
     assert hopper is not None, "the silo has no hopper"
     own = hopper.friction_angle_deg
+    if own is None and scene.walls.bands:
+        both = [bands.coefficient(scene.walls, wall, 0.0, silo.transition_m) for wall in ("left", "right")]
+        own = math.degrees(math.atan(float(np.mean(both)))) if min(both) >= 0.0 else None
     return WalkerHopper(
         silo.width_m, hopper.outlet_width_m, hopper.half_angle_deg,
         scene.density_kg_per_m3 * scene.method.gravity_m_per_s2, angle_deg if own is None else own,
@@ -55,9 +78,7 @@ def theory_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> dict:
 
     """
     silo, g = scene.silo, scene.method.gravity_m_per_s2
-    left, right = silo.outlet_m
-    eccentricity = abs(0.5 * (left + right) - 0.5 * silo.width_m)
-    found: dict[str, Any] = {"outlet_eccentricity_m": eccentricity}
+    found: dict[str, Any] = {"outlet_eccentricity_m": silo.eccentricity_m}
     if code := eurocode_findings(scene):
         found["eurocode"] = code
     if silo.hopper is not None and 0.0 < angle_deg < 90.0:
@@ -76,10 +97,12 @@ def theory_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> dict:
             }
     if not silo.floor_is_outlet:
         grain, density = scene.sand.d50_m, scene.density_kg_per_m3
+        widths = [one.width for one in silo.openings if one.in_floor]  # of all that are open at a time
         if silo.section == "round":
-            rate = beverloo.orifice_rate_kg_per_s(right - left, density, grain, gravity_m_per_s2=g)
+            rate = beverloo.orifice_rate_kg_per_s(widths[0], density, grain, gravity_m_per_s2=g)
             rate = rate / (2.0 * math.pi) * 2.0 / (0.5 * silo.width_m)  # as forces are counted: of two metres of girth
         else:
-            rate = beverloo.slot_rate_kg_per_s_m(right - left, density, grain, gravity_m_per_s2=g)
-        found["beverloo_kg_per_s_m"] = float(rate)
+            rate = sum(beverloo.slot_rate_kg_per_s_m(width, density, grain, gravity_m_per_s2=g) for width in widths)
+        if widths:
+            found["beverloo_kg_per_s_m"] = float(rate)
     return found

@@ -26,8 +26,8 @@ def whole(length_m: float, size_m: float | np.ndarray) -> np.ndarray:
 
 
 def edges(silo: "Silo") -> tuple[float, ...]:
-    """Places x that must lie on the grid: the edges of an outlet in the floor [m]."""
-    return silo.outlet_m if silo.outlet is not None else ()
+    """Places x or y that must lie on the grid: the edges of outlets in the floor and the walls [m]."""
+    return tuple(edge for one in silo.openings for edge in (one.low, one.high)) if silo.outlets else ()
 
 
 def opening_m(silo: "Silo") -> float:
@@ -36,9 +36,13 @@ def opening_m(silo: "Silo") -> float:
     levels = np.unique(np.concatenate([left[:, 1], right[:, 1]]))
     levels = np.sort(np.concatenate([levels, levels + polygons.SAME]))  # below and above a ledge
     widths = polygons.place(right, levels) - polygons.place(left, levels)
-    first, last = silo.outlet_m
     above = widths[: int(np.argmax(widths)) + 1]  # a roof over the widest place holds sand, and no more
-    return min(float(above.min()), last - first)
+    return min(float(above.min()), narrowest_m(silo))
+
+
+def narrowest_m(silo: "Silo") -> float:
+    """Width of the narrowest outlet [m]."""
+    return min(one.width for one in silo.openings)
 
 
 def dividing(silo: "Silo", most: float) -> np.ndarray:
@@ -47,8 +51,7 @@ def dividing(silo: "Silo", most: float) -> np.ndarray:
     counts = np.arange(2, max(2, min(MOST, math.ceil(most))) + 1)
     counts = counts[counts % 2 == 0] if silo.section == "round" else counts  # the axis is a line of the grid
     sizes = wide / counts
-    first, last = silo.outlet_m
-    fits = whole(high, sizes) & (np.round(high / sizes) >= 2) & (last - first >= 2.0 * sizes * (1.0 - 1e-9))
+    fits = whole(high, sizes) & (np.round(high / sizes) >= 2) & (narrowest_m(silo) >= 2.0 * sizes * (1.0 - 1e-9))
     for edge in edges(silo):
         fits &= whole(edge, sizes)
     return sizes[fits]

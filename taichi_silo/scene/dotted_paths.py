@@ -49,13 +49,18 @@ def annotation(path: str) -> Any:
     for name in path.split("."):
         many, table = typing.get_origin(kind) is tuple, table_in(kind)
         if is_number(name):
-            kind = table if many else None
+            kind = table if many or _may_be_several(kind) else None
         else:
             field = table.model_fields.get(name) if table is not None and not many else None
             kind = None if field is None else field.annotation
         if kind is None:
             return None
     return kind
+
+
+def _may_be_several(kind: Any) -> bool:
+    """Whether a field takes an array of tables beside a single one."""
+    return typing.get_origin(kind) is tuple or any(map(_may_be_several, typing.get_args(kind)))
 
 
 def known(path: str) -> bool:
@@ -150,7 +155,7 @@ def value(scene: Any, path: str) -> Any:
     found = scene
     for name in path.split("."):
         if isinstance(found, tuple):
-            found = found[int(name)] if int(name) < len(found) else None
+            found = found[int(name)] if is_number(name) and int(name) < len(found) else None
         else:
             found = None if found is None else getattr(found, name)
     return found

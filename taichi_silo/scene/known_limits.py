@@ -4,7 +4,10 @@ The first are said before a run starts and kept in its summary: each is a cell o
 (`scenarios/stability.py`) that the choice can reach in a silo. The second stand in the report of a run.
 """
 
+import shapely
+
 from taichi_silo.mpm.shapes import SHAPES
+from taichi_silo.scene.cell_sizes import narrowest_m
 from taichi_silo.scene.fidelity import like, measured
 from taichi_silo.scene.flow import slow_speed_m_per_s
 from taichi_silo.scene.scene import Scene
@@ -12,6 +15,7 @@ from taichi_silo.scene.symmetry import SLENDER
 
 NOISY = ("apic", "gradient", "xpic", "blend", "pic")
 FEWEST_CELLS = 10  # that an outlet should be wide
+THICK = 2  # cells that a body should be: sand reaches a cell into it from each side
 DEAD_EDGE = 1.7  # cells of its width that pass nothing in free outflow (`validation/beverloo.py`)
 
 
@@ -63,13 +67,19 @@ def of_method(scene: Scene) -> list[str]:
             f"and may jam; {FEWEST_CELLS} cells or more would do, as with a cell size of "
             f"{1e3 * scene.grid.cell_size_m * cells / FEWEST_CELLS:.3g} mm."
         )
+    h = scene.grid.cell_size_m
+    for number, insert in enumerate(scene.silo.inserts):
+        if shapely.Polygon(insert.outline(scene.silo.width_m)).buffer(-0.5 * THICK * h * (1.0 - 1e-6)).is_empty:
+            found.append(
+                f"Insert {number + 1}, a {insert.kind}, is less than {THICK} cells of {1e3 * h:g} mm thick: the sand "
+                "on both of its sides shares nodes, and drags itself along through it."
+            )
     return found
 
 
 def cells_across_outlet(scene: Scene) -> float:
-    """Width of the outlet over that of a cell."""
-    left, right = scene.silo.outlet_m
-    return (right - left) / scene.grid.cell_size_m
+    """Width of the outlet, of several the narrowest, over that of a cell."""
+    return narrowest_m(scene.silo) / scene.grid.cell_size_m
 
 
 def of_results(scene: Scene) -> list[str]:

@@ -65,18 +65,19 @@ class Mesh(Options):
                     f"cell size is {h} m; it must divide the {name} of {length} m into at least 2 whole cells: "
                     f"{cell_sizes.remedy(silo, h)}"
                 )
-        left, right = silo.outlet_m
-        if right - left < 2.0 * h * (1.0 - 1e-9):
+        narrow = cell_sizes.narrowest_m(silo)
+        if narrow < 2.0 * h * (1.0 - 1e-9):
             raise ValueError(
-                f"outlet width is {right - left:g} m; on cells of {h} m it must be at least {2 * h:g} m: "
+                f"outlet width is {narrow:g} m; on cells of {h} m it must be at least {2 * h:g} m: "
                 f"{cell_sizes.remedy(silo, h)}"
             )
-        edge = next((edge for edge in cell_sizes.edges(silo) if not cell_sizes.whole(edge, h)), None)
-        if silo.outlet is not None and edge is not None:
-            raise ValueError(
-                f"outlet width is {silo.outlet.width_m} m; its edge at x = {edge:g} m must lie on the grid, whose "
-                f"lines are {h} m apart: {cell_sizes.remedy(silo, h)}"
-            )
+        for one in silo.openings if silo.outlets else ():
+            edge = next((edge for edge in (one.low, one.high) if not cell_sizes.whole(edge, h)), None)
+            if edge is not None:
+                raise ValueError(
+                    f"outlet width is {one.width:.12g} m; its edge at {'x' if one.in_floor else 'y'} = {edge:g} m must "
+                    f"lie on the grid, whose lines are {h} m apart: {cell_sizes.remedy(silo, h)}"
+                )
         if silo.section == "round" and round(silo.width_m / h) % 2:
             raise ValueError(
                 f"cell size is {h} m; it must divide the radius of {0.5 * silo.width_m} m of a round silo: "

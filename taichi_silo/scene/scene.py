@@ -13,7 +13,9 @@ from pydantic import Field, field_validator, model_validator
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
+from taichi_silo.scene import bands
 from taichi_silo.scene.averaging import Averaging
+from taichi_silo.scene.bands import MOST_BANDS, Band
 from taichi_silo.scene.eurocode import Eurocode
 from taichi_silo.scene.flow import Flow
 from taichi_silo.scene.mesh import Mesh
@@ -45,6 +47,7 @@ class Walls(Options):
         None, ge=0, lt=90, description="between sand and smooth walls, which need it"
     )
     bottom_friction_angle_deg: float = Field(0.0, ge=0, lt=90, description="of the bottom plate or floor, against sand")
+    bands: tuple[Band, ...] = Field((), max_length=MOST_BANDS)
 
     @model_validator(mode="after")
     def _friction(self):
@@ -180,6 +183,7 @@ class Scene(Options):
         self.averaging.check(self.sand, self.spacing_m, self.points, self.silo.width_m)
         if self.averaging.wall == "rigid" and self.walls.kind != "very-rough":
             raise ValueError(f"walls are {self.walls.kind}; in an average with rigid walls they must be very rough")
+        bands.check(self.walls, self.silo)
         half_model(self)
         self._check_outflow()
         self.eurocode.check(self.silo)
@@ -196,6 +200,13 @@ class Scene(Options):
         silo, flow = self.silo, self.flow
         if flow.outflow == "gravity" and silo.floor_is_outlet:
             raise ValueError("outflow is gravity; the silo needs an outlet or a hopper that sand can fall out of")
+        over = flow.longest_s if flow.outflow == "gravity" else flow.displacement_m / flow.speed_m_per_s
+        for number, outlet in enumerate(silo.outlets):
+            if outlet.opens_at_s >= over:
+                raise ValueError(
+                    f"outlet {number + 1} opens at {outlet.opens_at_s:g} s; it must open before the outflow ends, "
+                    f"after {over:.4g} s"
+                )
         most = silo.area_m2 / silo.outlet_share_m
         if silo.floor_is_outlet and flow.displacement_m > silo.height_m:
             raise ValueError(

@@ -16,20 +16,12 @@ from pydantic import Field, model_validator
 
 from taichi_silo.scene import polygons, silo_checks
 from taichi_silo.scene.inserts import Insert
+from taichi_silo.scene.outlets import OneOrSeveral, Opening, Outlet
 from taichi_silo.utils.schema import Options
 
 MOST_INSERTS = 50
 POINTS_AT_ONCE = 500_000  # of a lattice
 __all__ = ["Hopper", "Insert", "Outlet", "Silo"]
-
-
-class Outlet(Options):
-    """An opening of the flat floor; without it the whole floor is the outlet."""
-
-    width_m: float = Field(ge=1e-4, le=1000, description="width of the opening; its edges lie on grid lines")
-    position: Literal["centre", "left", "right"] | float = Field(
-        "centre", description="where in the floor: in its middle, beside a wall, or x of the middle of the opening [m]"
-    )
 
 
 class Hopper(Options):
@@ -51,7 +43,7 @@ class Silo(Options):
         "plane", description="between parallel walls, or a cylinder about the middle; a hopper is a wedge, or a cone"
     )
     half: Literal["auto", "yes", "no"] = Field("auto", description="compute one half of a symmetric silo and mirror it")
-    outlet: Outlet | None = None
+    outlet: OneOrSeveral | None = None
     hopper: Hopper | None = None
     outline_m: polygons.Corners | None = Field(
         None,
@@ -116,23 +108,50 @@ class Silo(Options):
         return shapely.Polygon(np.concatenate([right, left[::-1]]))
 
     @property
-    def outlet_m(self) -> tuple[float, float]:
-        """X of the left and right edge of the opening in the floor [m]."""
+    def outlets(self) -> tuple[Outlet, ...]:
+        """The outlets that are given."""
+        return self.outlet if isinstance(self.outlet, tuple) else () if self.outlet is None else (self.outlet,)
+
+    @property
+    def openings(self) -> tuple[Opening, ...]:
+        """Where sand leaves: the outlets that are given, or the whole floor."""
         first, last = self.floor_m
-        if self.outlet is None:
-            return first, last
-        b, position = self.outlet.width_m, self.outlet.position
+        if not self.outlets:
+            return (Opening("floor", first, last),)
+        return tuple(self._opening(outlet, first, last) for outlet in self.outlets)
+
+    def _opening(self, outlet: Outlet, first: float, last: float) -> Opening:
+        """What an outlet opens in a floor between two places, or in a wall."""
+        b, position, times = outlet.width_m, outlet.position, (outlet.opens_at_s, outlet.closes_at_s)
+        at = self.width_m if outlet.wall == "right" else 0.0
         if isinstance(position, float):
-            return position - 0.5 * b, position + 0.5 * b
+            return Opening(outlet.wall, position - 0.5 * b, position + 0.5 * b, at, *times)
         left = {"centre": 0.5 * (first + last - b), "left": first, "right": last - b}[position]
-        return left, left + b
+        return Opening(outlet.wall, left, left + b, at, *times)
+
+    @property
+    def one_opening(self) -> bool:
+        """Whether sand leaves by one opening in the floor, from the begin of the outflow to its end."""
+        only, *more = self.openings
+        return only.in_floor and not more and not any(outlet.timed for outlet in self.outlets)
+
+    @property
+    def outlet_m(self) -> tuple[float, float]:
+        """X of the left and right edge of the opening in the floor [m]; of several the outermost."""
+        floor = [one for one in self.openings if one.in_floor] or [Opening("floor", *self.floor_m)]
+        return min(one.low for one in floor), max(one.high for one in floor)
 
     @property
     def outlet_share_m(self) -> float:
-        """Area of the outlet as `area_m2` counts: its width, in a round silo d^2 / (4 R)."""
-        left, right = self.outlet_m
-        width = right - left
+        """Area of all outlets as `area_m2` counts: their widths, in a round silo d^2 / (4 R)."""
+        width = sum(one.width for one in self.openings)
         return width**2 / (2.0 * self.width_m) if self.section == "round" else width
+
+    @property
+    def eccentricity_m(self) -> float:
+        """Distance of the middle of an outlet from the axis, the greatest of several [m]."""
+        middles = [0.5 * (one.low + one.high) if one.in_floor else one.at_m for one in self.openings]
+        return max(abs(middle - 0.5 * self.width_m) for middle in middles)
 
     @property
     def transition_m(self) -> float:
@@ -222,13 +241,7 @@ class Silo(Options):
         found = []
         if self.section == "round":
             found.append("round silo")
-        if self.outlet is not None:
-            where = {"centre": "in the middle", "left": "at the left wall", "right": "at the right wall"}
-            place = self.outlet.position
-            found.append(
-                f"outlet of {1e3 * self.outlet.width_m:g} mm "
-                + (f"at x = {1e3 * place:g} mm" if isinstance(place, float) else where[place])
-            )
+        found += [outlet.words() for outlet in self.outlets]
         if self.hopper is not None:
             found.append(f"hopper of {self.hopper.half_angle_deg:g}° with {1e3 * self.hopper.outlet_width_m:g} mm")
         if self.outline_m is not None:

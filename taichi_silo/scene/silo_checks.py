@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from taichi_silo.scene import polygons
+from taichi_silo.scene import polygons, touching
 from taichi_silo.scene.inserts import Insert
+from taichi_silo.scene.outlets import Opening, Outlet
 
 if TYPE_CHECKING:
-    from taichi_silo.scene.silo import Outlet, Silo
+    from taichi_silo.scene.silo import Silo
 
 ALIKE = 1e-6  # of its area, by which the mirror image of a body may differ
 
@@ -21,8 +22,11 @@ def check(silo: "Silo") -> None:
         _check_outline(silo, silo.outline_m)
     if silo.outlet is not None and silo.hopper is not None:
         raise ValueError("a silo has an outlet in its floor or a hopper, not both: a hopper ends in its own outlet")
-    if silo.outlet is not None:
-        _check_outlet(silo, silo.outlet)
+    if silo.outlet == ():
+        raise ValueError("silo.outlet has no entries; without outlets it must be left out, and the floor is the outlet")
+    for number, outlet in enumerate(silo.outlets):
+        _check_outlet(silo, outlet, silo.openings[number])
+    _check_outlets_apart(silo)
     if silo.hopper is not None:
         if not silo.hopper.outlet_width_m < wide:
             raise ValueError(
@@ -58,9 +62,12 @@ def _check_outline(silo: "Silo", outline_m: polygons.Corners) -> None:
         raise ValueError("the outline of a round silo must be symmetric about its axis")
 
 
-def _check_outlet(silo: "Silo", outlet: "Outlet") -> None:
+def _check_outlet(silo: "Silo", outlet: Outlet, opening: Opening) -> None:
     first, last = silo.floor_m
-    b, (left, right) = outlet.width_m, silo.outlet_m
+    b, left, right = outlet.width_m, opening.low, opening.high
+    if not opening.in_floor:
+        _check_side_outlet(silo, opening)
+        return
     if not b < last - first:
         width = "the silo's width" if silo.outline_m is None else "the floor's width"
         raise ValueError(f"outlet width is {b} m; it must be below {width} of {last - first:g} m")
@@ -71,27 +78,52 @@ def _check_outlet(silo: "Silo", outlet: "Outlet") -> None:
         )
 
 
+def _check_side_outlet(silo: "Silo", opening: Opening) -> None:
+    """Refuse an opening that is not in the vertical part of its wall, below the surface."""
+    foot = silo.feet_m[("left", "right").index(opening.wall)]
+    if opening.low < foot - polygons.SAME or opening.high > silo.height_m - polygons.SAME:
+        raise ValueError(
+            f"outlet of the {opening.wall} wall reaches from {opening.low:g} to {opening.high:g} m; it must lie in its "
+            f"vertical part, between {foot:g} m and the surface of the fill at {silo.height_m:g} m"
+        )
+
+
+def _check_outlets_apart(silo: "Silo") -> None:
+    """Refuse outlets that overlap, or have nothing between them."""
+    if silo.section == "round" and not silo.one_opening:
+        raise ValueError(
+            f"silo has {' and '.join(one.words() for one in silo.outlets)}; a round silo, computed by its section, "
+            "must have a single outlet, in the middle of its floor, that opens with the outflow"
+        )
+    found = silo.openings
+    for number, one in enumerate(found):
+        for before in range(number):
+            other = found[before]
+            if one.wall == other.wall and one.low < other.high + polygons.SAME and other.low < one.high + polygons.SAME:
+                raise ValueError(
+                    f"outlet {number + 1} from {one.low:g} to {one.high:g} m meets outlet {before + 1} from "
+                    f"{other.low:g} to {other.high:g} m; outlets of one wall must stand apart"
+                )
+
+
 def _check_insert(silo: "Silo", insert: Insert) -> None:
     outline = insert.outline(silo.width_m)
     low = outline[:, 1].min()
-    if low <= 0.0:
-        raise ValueError(f"the {insert.kind} reaches down to {low:g} m; it must stand above the floor at 0")
+    if low < -polygons.SAME:
+        raise ValueError(f"the {insert.kind} reaches down to {low:g} m; it must not reach below the floor at 0")
     if outline[:, 1].max() >= silo.height_m:
         raise ValueError(
             f"the {insert.kind} reaches up to {outline[:, 1].max():.4g} m; it must be below the surface of the "
             f"fill at {silo.height_m} m"
         )
-    if not silo.body.contains_properly(shapely.Polygon(outline)):
-        raise ValueError(
-            f"the {insert.kind} between x = {outline[:, 0].min():.4g} and {outline[:, 0].max():.4g} m must stand "
-            f"free of the walls of a silo {silo.width_m} m wide"
-        )
+    touching.check(silo, insert)
 
 
 def _check_round(silo: "Silo") -> None:
-    if silo.outlet is not None and silo.outlet.position != "centre":
+    if silo.outlets and silo.outlets[0].position != "centre":
         raise ValueError(
-            f"outlet position is {silo.outlet.position}; in a round silo, computed by its section, it must be centre"
+            f"outlet position is {silo.outlets[0].position}; in a round silo, computed by its section, it must be "
+            "centre"
         )
     wide = silo.width_m
     for insert in silo.inserts:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from taichi_silo.scene import bands
+
 if TYPE_CHECKING:
     from taichi_silo.scene.scene import Scene
 
@@ -65,10 +67,14 @@ def _obstacle(scene: "Scene") -> str:
     silo = scene.silo
     if silo.section == "round":
         return "the section of a round silo is half of it already"
-    if silo.outlet is not None and silo.outlet.position != "centre":
-        return f"the outlet's position is {silo.outlet.position}"
+    if not silo.one_opening:
+        return "several outlets, or one of a side wall or that opens later, are computed whole"
+    if silo.outlets and silo.outlets[0].position != "centre":
+        return f"the outlet's position is {silo.outlets[0].position}"
     if silo.hopper is not None or silo.outline_m is not None or silo.inserts:
         return "hoppers, outlines and inserts are computed whole"
+    if not bands.alike(scene.walls):
+        return f"the walls are not alike ({bands.words(scene.walls)})"
     cells = round(silo.width_m / scene.grid.cell_size_m)
     if cells % 2 or cells < FEWEST_CELLS:
         return f"{cells} cells across have no half (an even number of at least {FEWEST_CELLS} has)"

@@ -21,6 +21,7 @@ class Interval:
     longer : how many times as long as in the interval before a time step may be at most.
     poured : indices of points of the fill that come in before it starts; None: none do.
     above : how far above their place in the fill these come in [m].
+    gates : speeds of gates that move each at its own time, over that of one that is open.
 
     """
 
@@ -31,6 +32,7 @@ class Interval:
     longer: float = math.inf
     poured: np.ndarray | None = None
     above: float = 0.0
+    gates: tuple[float, ...] = ()
 
     @property
     def gate_is_open(self) -> bool:

@@ -14,14 +14,18 @@ from taichi_silo.mpm.nonlocal_average import NonLocal, Weight
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
-from taichi_silo.mpm.walls import Coulomb, Edges, Frictionless, Gate, NoSlip, OpenFloor, PlaneWall, Surface
-from taichi_silo.mpm.walls.outlets import pace_of_edge
-from taichi_silo.scene import polygons
+from taichi_silo.mpm.walls import Coulomb, Edges, Frictionless, Gate, Gates, NoSlip, OpenFloor, PlaneWall, Surface
+from taichi_silo.mpm.walls.outlets import FloorRow, pace_of_edge
+from taichi_silo.mpm.walls.side_outlets import SideColumn
+from taichi_silo.scene import polygons, touching
+from taichi_silo.scene.outlets import Opening
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow
+from taichi_silo.simulation.gates import gated
 from taichi_silo.simulation.model import Model
 from taichi_silo.simulation.section import Section
-from taichi_silo.simulation.wall_forces import WallForces
+from taichi_silo.simulation.wall_forces import BOTTOM, LEFT, RIGHT, WallForces
+from taichi_silo.simulation.wall_friction import banded, of_surface
 
 HEADROOM = 0.1  # of the fill height, free above it; more where sand hangs on a very rough wall while the grid sinks
 
@@ -39,7 +43,8 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
     fill = {name: values for name, values in fill.items() if name in particles.names}
     particles.load(fill)
     kernel, about_averaging = scene.averaging.kernel(scene.sand, scene.spacing_m)
-    walls, surfaces = walls_of(scene, section, grid), surfaces_of(scene, section)
+    openings = openings_of(scene, section)
+    (walls, gates), surfaces = walls_of(scene, section, grid), surfaces_of(scene, section)
     period = period_of(scene)
     return Model(
         scene=scene,
@@ -62,7 +67,9 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
         about_averaging=about_averaging,
         walls=walls,
         surfaces=surfaces,
-        wall_forces=WallForces(section, paces(walls, grid), tuple(surface.name for surface in surfaces)),
+        wall_forces=WallForces(section, paces(walls, grid), tuple(surface.name for surface in surfaces), *told(walls)),
+        openings=openings,
+        gates=gates,
     )
 
 
@@ -111,7 +118,8 @@ def grid_of(scene: Scene, section: Section, copies: int) -> Grid:
     """The grid: it sinks with the bottom where all of that sinks, else it stands still."""
     h = scene.grid.cell_size_m
     follows = "bottom" if scene.silo.floor_is_outlet else "nothing"
-    return Grid(section.width, rows_of_cells(scene) * h, h, copies=copies, follows=follows)
+    beside = any(not one.in_floor for one in scene.silo.openings)
+    return Grid(section.width, rows_of_cells(scene) * h, h, copies=copies, follows=follows, open_sides=beside)
 
 
 def fill_of(scene: Scene, section: Section, law: GudehusBauer | Intergranular, density: float) -> dict[str, np.ndarray]:
@@ -154,8 +162,16 @@ def side_contact(scene: Scene, friction_angle_deg: float | None = None) -> Coulo
     return NoSlip() if angle is None else Coulomb(angle)  # very rough walls have no angle
 
 
-def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
-    """Left, right, bottom; or left, right, and floor, edges (both empty above an open hopper) and gate."""
+def openings_of(scene: Scene, section: Section) -> tuple[Opening, ...]:
+    """Where sand leaves, in the frame of the grid; none where the whole floor sinks."""
+    return () if scene.silo.floor_is_outlet else tuple(one.shifted(section.shift) for one in scene.silo.openings)
+
+
+def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[tuple[Wall, ...], Gates | None]:
+    """Left, right, bottom; or left, right, and floor, edges (both empty above an open hopper) and gate.
+
+    Of several outlets, or one of a side wall or that opens later, edges and gate of each, and what moves them.
+    """
     silo, h, side = scene.silo, scene.grid.cell_size_m, side_contact(scene)
     low = tuple(MARGIN + math.ceil(foot / h - 1e-9) if foot else 0 for foot in silo.feet_m)
     left, right = grid.node_along(0.0), grid.node_along(section.width)
@@ -168,14 +184,25 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
     floor = grid.node_along(0.0)
     # in the corner the floor bears the sand: a wall of no slip would hold it, and where the bottom sinks pull it down
     sides = tuple(replaced(wall, bears_from=floor + 1) if isinstance(wall.contact, NoSlip) else wall for wall in sides)
+    sides = banded(sides, scene.walls, grid)
     if silo.floor_is_outlet:
         fade = max(1.0, FADE * silo.width_m / h)
-        fading = [replaced(wall, fade=fade) if isinstance(wall.contact, NoSlip) else wall for wall in sides]
-        return (*fading, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0)))
+        rough = not any(band.from_m < fade * h for band in scene.walls.bands)
+        fading = [replaced(wall, fade=fade) if rough and isinstance(wall.contact, NoSlip) else wall for wall in sides]
+        return (*fading, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0))), None
+    if not silo.one_opening:
+        return gated(sides, openings_of(scene, section), grid, plate, scene.flow.outflow == "controlled")
     first, last = _edges(scene, section, grid)
     pace = pace_of_edge(last - MARGIN if section.round else None, math.isqrt(scene.grid.points_per_cell))
     edges = Edges(floor, first, last, plate, motion=(0.0, pace))
-    return (*sides, OpenFloor(floor, first, last, plate), edges, Gate(floor, first, last, plate))
+    return (*sides, OpenFloor(floor, first, last, plate), edges, Gate(floor, first, last, plate)), None
+
+
+def told(walls: tuple[Wall, ...]) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """To which wall of the silo each of the solver's walls belongs, and its horizontal pace (see `WallForces`)."""
+    lines = [wall for wall in walls if isinstance(wall, PlaneWall | FloorRow | SideColumn)]
+    owners = tuple(BOTTOM if wall.axis == 1 else LEFT if wall.side < 0 else RIGHT for wall in lines)
+    return owners, tuple(wall.motion[0] for wall in walls) if any(wall.motion[0] for wall in walls) else ()
 
 
 def paces(walls: tuple[Wall, ...], grid: Grid) -> np.ndarray:
@@ -209,15 +236,26 @@ def surfaces_of(scene: Scene, section: Section) -> tuple[Surface, ...]:
         if foot == 0.0 or (name == "left" and section.round):
             continue
         inclined = _extended(side[side[:, 1] <= foot + polygons.SAME], h)
-        upwards = [tuple(place) for place in inclined - (section.shift, 0.0)]
-        found.append(Surface(f"hopper_{name}", tuple(upwards if name == "right" else upwards[::-1]), contact))
+        parts = touching.uncovered(silo, inclined if name == "right" else inclined[::-1])
+        if not parts:  # bodies cover it
+            continue
+        surface = Surface(f"hopper_{name}", _line(parts, section), contact, _gaps(parts))
+        found.append(surface if angle is not None else of_surface(surface, name, scene.walls))
     for number, insert in enumerate(silo.inserts):
-        outline = insert.outline(silo.width_m) - (section.shift, 0.0)
-        corners = [tuple(corner) for corner in outline[::-1]]
-        found.append(
-            Surface(f"insert_{number + 1}", (*corners, corners[0]), side_contact(scene, insert.friction_angle_deg))
-        )
+        outline = touching.free_outline(silo, insert)[::-1]
+        own = side_contact(scene, insert.friction_angle_deg)
+        found.append(Surface(f"insert_{number + 1}", _line([outline], section), own))
     return tuple(found)
+
+
+def _line(parts: list[np.ndarray], section: Section) -> tuple[tuple[float, float], ...]:
+    """Corners of a line of parts, in the frame of the grid [m]."""
+    return tuple((float(x), float(y)) for x, y in np.concatenate(parts) - (section.shift, 0.0))
+
+
+def _gaps(parts: list[np.ndarray]) -> tuple[int, ...]:
+    """Numbers of the sides of such a line that lie between its parts."""
+    return tuple(int(end) - 1 for end in np.cumsum([len(part) for part in parts])[:-1])
 
 
 def _extended(side: np.ndarray, length: float) -> np.ndarray:

@@ -14,7 +14,8 @@ from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import NonLocal
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.solver import Solver
-from taichi_silo.mpm.walls import Surface
+from taichi_silo.mpm.walls import Gates, Surface
+from taichi_silo.scene.outlets import Opening
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.stress_filter import filter_of
 from taichi_silo.simulation.section import Section
@@ -43,6 +44,8 @@ class Model:
     averaging : the non-local average, None where the law is local; `about_averaging` is a sentence that says why.
     walls, surfaces : walls on lines of the grid, and those that are not.
     wall_forces : the forces of both.
+    openings : where sand leaves, in the frame of the grid; none where the whole floor sinks.
+    gates : what moves the gates of several outlets; None where all move with the plate velocity.
 
     """
 
@@ -67,11 +70,20 @@ class Model:
     walls: tuple[Wall, ...]
     surfaces: tuple[Surface, ...]
     wall_forces: WallForces
+    openings: tuple[Opening, ...] = ()
+    gates: Gates | None = None
 
     @property
     def interval(self) -> float:
         """Time between records [s]."""
         return self.period / self.scene.output.records_per_period
+
+    def gate_shares(self, shares: tuple[float, ...]) -> np.ndarray | None:
+        """Shares of the solver's walls on grid lines (walls,) from those of gates; None where nothing has its own."""
+        if self.gates is None or not shares:
+            return None
+        first = len(self.walls) - 2 * len(shares)
+        return np.concatenate([np.ones(first), np.repeat(shares, 2)])
 
     def solver(self, control: NoiseControl) -> Solver:
         """A solver that steps the model with this noise control."""

@@ -4,11 +4,13 @@ The next interval follows from the clock and the points, so the flow can be left
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.scene.scene import Scene
+from taichi_silo.simulation import gates
 from taichi_silo.simulation.clock import OPENED, Clock, Interval
 from taichi_silo.simulation.model import Model
 
@@ -17,6 +19,7 @@ GENTLY = 0.01  # of gravity, its largest acceleration; with the drag of the nois
 SHORT, LANDING = 0.5, 0.6  # of an interval and of a time step in free outflow: sand that lands is stiff at once
 LONGER = 1.05  # at most, a step against that of the interval before: where sand has landed, more will
 REACH = 0.35  # of a cell: by more, no sand may pass the exit within an interval
+SAME_TIME_S = 1e-9  # nearer times are one
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped; longer by the root of a mass scaling
 STEEPEST = 1.5  # largest slope of the start, over its mean
 PARTS = 1001  # of the start, in which its displacement is looked up
@@ -57,9 +60,17 @@ def control(model: Model) -> NoiseControl:
 
 def next_interval(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None:
     """The next interval of the flow that the scene asks for, None at its end; the fastest point has this speed."""
-    if model.scene.flow.outflow == "gravity":
-        return _free(model, clock, fastest_m_per_s)
-    return _controlled(model, clock)
+    free = model.scene.flow.outflow == "gravity"
+    interval = _free(model, clock, fastest_m_per_s) if free else _controlled(model, clock)
+    if interval is None or model.gates is None or clock.flow_start is None:
+        return interval
+    since = clock.time - clock.flow_start
+    if free:  # gates are open or closed, and intervals end when that changes
+        change = gates.next_change(model.openings, since + SAME_TIME_S) - since
+        moved = gates.shares(model.openings, since + SAME_TIME_S, 0.0)
+        return replace(interval, duration=min(interval.duration, change), gates=moved)
+    middle = since + 0.5 * interval.duration
+    return replace(interval, gates=gates.shares(model.openings, middle, start(model.scene, model.period)))
 
 
 def bottom_speed(model: Model, since_start_s: float) -> float:
@@ -81,13 +92,17 @@ def _controlled(model: Model, clock: Clock) -> Interval | None:
 
 def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None:
     """Let the sand fall until the flow has stopped, enough has left, or the time is over."""
-    flow = model.scene.flow
+    flow, begun = model.scene.flow, clock.flow_start or 0.0
+    since, at_rest = clock.time - begun, AT_REST_S * math.sqrt(model.scene.method.mass_scaling)
     if (
         clock.flow_start is None
         or clock.time >= clock.flow_start + flow.longest_s
         or clock.displacement >= flow.displacement_m
         or not model.particles.number
-        or clock.time - clock.left_at >= AT_REST_S * math.sqrt(model.scene.method.mass_scaling)
+        or (
+            clock.time - max(clock.left_at, begun + gates.last_opening(model.openings, since)) >= at_rest
+            and not gates.more_to_open(model.openings, since)
+        )
     ):
         return None
     reach = REACH * model.scene.grid.cell_size_m

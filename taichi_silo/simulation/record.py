@@ -40,6 +40,9 @@ class Record:
     profile: np.ndarray | None  # nodal forces of the walls on the sand (walls, slots, 2), see `wall_forces` [N/m]
     discharged_kg_per_m: float = 0.0  # since the start
     bodies_N_per_m: dict = field(default_factory=dict)  # force (x, y) of hopper walls and inserts on the sand
+    gates: tuple[float, ...] = ()  # of several outlets: speed of each gate over that of an open one,
+    gates_N_per_m: tuple[float, ...] = ()  # force of the sand on each,
+    outlets_kg_per_m: tuple[float, ...] = ()  # and what has left by each since the start
 
     @property
     def bottom_N_per_m(self) -> float:

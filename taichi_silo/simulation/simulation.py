@@ -11,9 +11,10 @@ import numpy as np
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.noise_control import NoiseControl
+from taichi_silo.mpm.point_sums import BELOW
 from taichi_silo.scene import known_limits
 from taichi_silo.scene.scene import Scene
-from taichi_silo.simulation import filling, outflow, restart
+from taichi_silo.simulation import filling, gates, outflow, restart, wall_friction
 from taichi_silo.simulation.alarm import Alarm, Alarms
 from taichi_silo.simulation.clock import Clock, Interval
 from taichi_silo.simulation.discharge import Discharge
@@ -54,8 +55,7 @@ class Simulation:
         self.warnings, self.alarms = known_limits.of_method(scene), Alarms()
         self.discharge = None
         if not scene.silo.floor_is_outlet:
-            left, right = (edge - model.section.shift for edge in scene.silo.outlet_m)
-            self.discharge = Discharge(model.particles, -EXIT * scene.grid.cell_size_m, (left, right), model.spacing)
+            self.discharge = Discharge(model.particles, -EXIT * scene.grid.cell_size_m, model.openings, model.spacing)
         self.identity = np.arange(model.particles.count)
         self.sums: SimpleNamespace | None = None  # over the points at the last record,
         self.sums_revision: int | None = None  # and which revision of the points that was
@@ -107,9 +107,15 @@ class Simulation:
         gravity = interval.gravity or (model.gravity, model.gravity)
         if interval.poured is not None:
             self._pour(interval.poured, interval.above)
+        if model.gates is not None and interval.gates:
+            model.gates.move(interval.gates)
+            if interval.gate_is_open and self.discharge is not None:  # a gate that closes cuts the sand that falls
+                self._keep(self.discharge.shut(np.array(interval.gates) == 0.0))
         before = self.sums
         if before is None or self.sums_revision != model.particles.revision:
             before = solver.point_sums()
+        if model.scene.walls.bands and model.scene.silo.floor_is_outlet:  # they stand still while the grid sinks
+            wall_friction.place(model.walls, model.scene.walls, model.grid, self.origin_m + 0.5 * interval.travel)
         steps, clock.step = self._steps(interval, before)
         held, drag = self.held_mass, model.control.filling_drag if clock.stage == "filling" else 0.0
         begun = time.perf_counter()
@@ -143,7 +149,8 @@ class Simulation:
             noise_control_force_N_per_m=factor * control[:, 1].sum() / duration,
             kinetic_energy_J_per_m=factor * after.kinetic_energy,
             kinetic_gain_J_per_m=factor * (after.kinetic_energy - before.kinetic_energy),
-            work_J_per_m=model.wall_forces.push(impulse) / duration * travel - mean_gravity * lift,
+            work_J_per_m=model.wall_forces.push(impulse, model.gate_shares(interval.gates)) / duration * travel
+            - mean_gravity * lift,
             stored_J_per_m=factor * after.stored,
             time_step_s=clock.step,
             stable_step_s=after.stable_step,
@@ -154,6 +161,7 @@ class Simulation:
             speed_m_per_s=after.speed,
             profile=profile,
             discharged_kg_per_m=self.discharged,
+            **self._outlets(interval, impulse),
         )
 
     def _steps(self, interval: Interval, sums: SimpleNamespace) -> tuple[int, float]:
@@ -186,15 +194,35 @@ class Simulation:
         particles.load({name: np.concatenate([there[name], new[name]]) for name in there})
         self.identity = np.concatenate([self.identity[: len(there["mass"])], chosen])
 
-    def _let_go(self) -> None:
-        """Count what has passed the opening, and take out what has passed the exit."""
-        if self.discharge is None or self.clock.stage != "flow":
-            return
-        kept = self.discharge.take_out()
+    def _outlets(self, interval: Interval, impulse: np.ndarray) -> dict:
+        """What a record tells of each of several outlets."""
+        model = self.model
+        if model.gates is None:
+            return {}
+        first = len(model.walls) - 2 * len(model.openings)
+        return {
+            "gates": interval.gates or (0.0,) * len(model.openings),
+            "gates_N_per_m": gates.forces(model.openings, impulse, first, interval.duration),
+            "outlets_kg_per_m": self.outlets_kg_per_m,
+        }
+
+    @property
+    def outlets_kg_per_m(self) -> tuple[float, ...]:
+        """What has left by each opening since the start [kg/m]."""
+        return tuple((self.model.section.factor * self.discharge.passed_each).tolist()) if self.discharge else ()
+
+    def _keep(self, kept: np.ndarray | None) -> None:
+        """Go on with the points that have stayed (n,); None: all have."""
         if kept is not None:
             self.identity = self.identity[kept]
             if self.solver.filter.BETWEEN_LAUNCHES:
                 self.solver.filter.keep(kept)
+
+    def _let_go(self) -> None:
+        """Count what has passed the openings, and take out what has passed the exit."""
+        if self.discharge is None or self.clock.stage != "flow":
+            return
+        self._keep(self.discharge.take_out())
         a_point = self.model.mass / self.model.section.factor / self.model.particles.count
         if self.discharge.flows(a_point):
             self.clock.left_at = self.clock.time
@@ -299,8 +327,10 @@ class Simulation:
     def _within(self, points: dict[str, np.ndarray], width_m: float) -> np.ndarray:
         grid = self.model.grid
         place = points["position"] - np.array([0.0, self.origin_m])
-        top = np.array([width_m + grid.cell_size, (grid.rows - 2 * MARGIN) * grid.cell_size])
-        return ((place > -grid.cell_size) & (place < top)).all(axis=1) & np.isfinite(points["stress"]).all(axis=1)
+        beside = (BELOW if grid.open_sides else 1.0) * grid.cell_size
+        low = np.array([-beside, -grid.cell_size])
+        top = np.array([width_m + beside, (grid.rows - 2 * MARGIN) * grid.cell_size])
+        return ((place > low) & (place < top)).all(axis=1) & np.isfinite(points["stress"]).all(axis=1)
 
     def _astray(self, count: int) -> Alarm:
         """The alarm of points that are outside the grid or not finite, at the first of them."""

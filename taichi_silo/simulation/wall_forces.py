@@ -34,12 +34,17 @@ class WallForces:
     paces : vertical velocity of the solver's walls on grid lines (walls, slots), as multiples of the speed at which the
         sand is let out: left, right, and the bottom or floor, edges of the opening and gate.
     bodies : names of the walls that do not, hopper walls and inserts, in the solver's order.
+    owners : LEFT, RIGHT or BOTTOM for each of the solver's walls on grid lines, such as a gate in the left wall; if
+        not told left, right, and all others the bottom.
+    sideways : horizontal velocities of these (walls,), as `paces`; if not told none.
 
     """
 
     section: Section
     paces: np.ndarray
     bodies: tuple[str, ...]
+    owners: tuple[int, ...] = ()
+    sideways: tuple[float, ...] = ()
 
     @property
     def on_grid(self) -> int:
@@ -56,8 +61,9 @@ class WallForces:
 
         Nodal forces are those over the width that a node has: cell size times stress [N/m].
         """
-        bottom = impulse[BOTTOM : self.on_grid].sum(axis=0)
-        own = np.concatenate([impulse[:BOTTOM], bottom[None], impulse[self.on_grid :]]) / duration
+        owners = np.array(self.owners or [LEFT, RIGHT] + [BOTTOM] * (self.on_grid - BOTTOM))
+        sides = [impulse[: self.on_grid][owners == wall].sum(axis=0) for wall in (LEFT, RIGHT, BOTTOM)]
+        own = np.concatenate([sides, impulse[self.on_grid :]]) / duration
         forces = self._of_both_sides(own)
         total = dict(zip(self.names, forces.sum(axis=1), strict=True))
         columns = {"bottom_force_N_per_m": normal_and_shear("bottom", total["bottom"])[0]}
@@ -67,9 +73,17 @@ class WallForces:
         bodies = {name: total[name].tolist() for name in self.bodies}
         return columns | {"bodies_N_per_m": bodies}, self._profile(own) if self.section.round else forces
 
-    def push(self, impulse: np.ndarray) -> float:
-        """Vertical impulse of the walls that move, each times its pace, from impulses as in `read` [N s/m]."""
-        return self.section.factor * float((impulse[: self.on_grid, :, 1] * self.paces).sum())
+    def push(self, impulse: np.ndarray, shares: np.ndarray | None = None) -> float:
+        """Impulse of the walls that move, each times its pace, from impulses as in `read` [N s/m].
+
+        `shares` (walls,) of their paces are those of walls that do not move all the time.
+        """
+        pace, on_grid = self.paces if shares is None else self.paces * shares[:, None], impulse[: self.on_grid]
+        found = float((on_grid[:, :, 1] * pace).sum())
+        if self.sideways:
+            across = np.array(self.sideways) * (1.0 if shares is None else shares)
+            found += float(on_grid[:, :, 0].sum(axis=1) @ across)
+        return self.section.factor * found
 
     def _of_both_sides(self, own: np.ndarray) -> np.ndarray:
         """Forces of the walls of the whole silo, from those of the computed part."""

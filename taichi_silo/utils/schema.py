@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from taichi_silo.utils.messages import near, sentence, shown
 
+TABLE, TABLES = "table", "tables"  # tags of a field that takes a table or an array of them
 LIMITS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
 RULES = {  # of pydantic's names for what is wrong
     "model_type": "be a table", "model_attributes_type": "be a table", "dict_type": "be a table",
@@ -50,6 +51,8 @@ def table_in(annotation: Any) -> type[Options] | None:
     """The table that a field holds, alone, or in a tuple, or beside None; None if it holds values."""
     if isinstance(annotation, type) and issubclass(annotation, Options):
         return annotation
+    if typing.get_origin(annotation) is typing.Annotated:
+        return table_in(typing.get_args(annotation)[0])
     if typing.get_origin(annotation) in (typing.Union, types.UnionType, tuple, list):
         return next(filter(None, map(table_in, typing.get_args(annotation))), None)
     return None
@@ -98,6 +101,8 @@ def _names(title: str, place: tuple[int | str, ...]) -> tuple[list[str], type[Op
         fields = inside.model_fields if inside is not None else None
         if isinstance(part, int):
             names.append(shown(part))
+        elif part in (TABLE, TABLES) and number and part not in (fields or {}):
+            continue  # which of both was tried
         elif fields is None and inside is None and number and table is not None:
             break  # within a value: the name of a type
         else:

@@ -10,6 +10,7 @@ from taichi_silo.cli.flags import with_method_flags
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene import known_limits
 from taichi_silo.scene.method_options import MethodOptions
+from taichi_silo.scene.outlets import Opening
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Silo, Walls
 from taichi_silo.simulation.discharge import Discharge
 from taichi_silo.simulation.simulation import Simulation
@@ -121,7 +122,7 @@ def test_what_leaves_is_booked_and_what_stays_goes_on():
     arrays["velocity"][:, 1] = -2.0
     particles.load(arrays)
     whole = arrays["mass"].sum()
-    gone = Discharge(particles, exit_m=0.041, opening_m=(0.0, 0.1), spacing_m=0.02)
+    gone = Discharge(particles, exit_m=0.041, openings=(Opening("floor", 0.0, 0.1),), spacing_m=0.02)
     kept = gone.take_out()
     left = gone.mass
     assert kept.sum() == 15
@@ -139,7 +140,7 @@ def test_sand_counts_with_what_of_it_has_passed_the_opening():
     each, place = particles.arrays()["mass"][0], particles.arrays()["position"]
     inner = np.abs(place[:, :1] - 0.05) < 0.03
     change(particles, position=place - inner * [0.0, 0.015])
-    gone = Discharge(particles, exit_m=-0.01, opening_m=(0.04, 0.06), spacing_m=0.02)
+    gone = Discharge(particles, exit_m=-0.01, openings=(Opening("floor", 0.04, 0.06),), spacing_m=0.02)
     assert gone.take_out() is None
     assert gone.passing == pytest.approx(3 * 0.75 * each)  # of the columns beside the edges, too
     change(particles, position=place - inner * [0.0, 0.025])

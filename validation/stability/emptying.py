@@ -13,6 +13,7 @@ from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.solver import Solver
 from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.mpm.walls import Coulomb, OpenFloor, PlaneWall
+from taichi_silo.scene.outlets import Opening
 from taichi_silo.simulation.discharge import Discharge
 from validation.stability.bodies import block, change
 
@@ -68,7 +69,7 @@ def empty(
     opened = () if outlet_m is None else (OpenFloor(floor_node, centre - half, centre + half, floor.contact),)
     body = Solver(particles, grid, shape, law, (*sides, *opened), NoiseControl(relaxation=control.relaxation))
     # height 0 of this grid is the bottom of the box, into which the sand falls
-    gone = Discharge(particles, exit_m=cell, opening_m=(0.0, width), spacing_m=cell / per_axis)
+    gone = Discharge(particles, exit_m=cell, openings=(Opening("floor", 0.0, width),), spacing_m=cell / per_axis)
     first = float(particles.arrays()["mass"].sum())
     low, high, time, last, marks, bad = math.inf, -math.inf, 0.0, 0.0, {}, 0
     while time < longest and particles.active[None] and time - last < 0.5:

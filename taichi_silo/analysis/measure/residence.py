@@ -45,7 +45,7 @@ def residence(
     volume: NDArray,
     width_m: float,
     outflow_m2_per_s: float,
-    outlet_m: tuple[float, float] | None = None,
+    outlet_m: tuple[float, float] | tuple[tuple[float, float], ...] | None = None,
 ) -> Residence:
     """Follow all points to the outlet.
 
@@ -57,23 +57,24 @@ def residence(
     volume : (n,) present volume of the points per metre run [m2].
     width_m : distance of the walls [m].
     outflow_m2_per_s : volume that leaves per metre run and second.
-    outlet_m : (left, right) edges of the outlet [m]; the whole width if not told.
+    outlet_m : (left, right) edges of the outlet [m], or of each of several; the whole width if not told.
 
     Raises ValueError if the width or the outflow is not positive, the outlet is empty or not between the walls, lengths
     of arrays differ, or there are fewer than four points.
     """
-    left, right = outlet_m or (0.0, width_m)
+    outlets = np.reshape(outlet_m or (0.0, width_m), (-1, 2))
     if not width_m > 0.0 or not outflow_m2_per_s > 0.0:
         raise ValueError(f"width is {width_m} m, outflow {outflow_m2_per_s} m2/s; both must be positive")
-    if not 0.0 <= left < right <= width_m * (1.0 + 1e-12):
-        raise ValueError(f"outlet is from {left} to {right} m; it must lie between 0 and {width_m} m")
+    for left, right in outlets.tolist():
+        if not 0.0 <= left < right <= width_m * (1.0 + 1e-12):
+            raise ValueError(f"outlet is from {left} to {right} m; it must lie between 0 and {width_m} m")
     points, flow, volumes = clean(position, velocity, volume)
     if len(points) < 4:
         raise ValueError(f"residence times need four points, there are {len(points)}")
     spacing = float(np.sqrt(np.median(volumes)))
     raster = Raster.over(points, width_m, spacing, bottom_m=0.0)
     plug = float(volumes.sum() / outflow_m2_per_s)
-    time = _times(points, raster, flow, width_m, (left, right), LONGEST * plug)
+    time = _times(points, raster, flow, width_m, outlets, LONGEST * plug)
 
     leaves = np.isfinite(time)
     share = tuple(_quantile(time[leaves] / plug, volumes[leaves], level) for level in QUANTILES)
@@ -86,7 +87,7 @@ def residence(
 
 
 def _times(
-    points: NDArray, raster: Raster, flow: NDArray, width_m: float, outlet: tuple[float, float], longest_s: float
+    points: NDArray, raster: Raster, flow: NDArray, width_m: float, outlets: NDArray, longest_s: float
 ) -> NDArray:
     """Time of each point to the outlet [s], by the midpoint rule in steps of equal length; inf if it never comes."""
     fields = [raster.of(flow[:, k]) for k in (0, 1)]
@@ -108,7 +109,8 @@ def _times(
         part = np.where(through, above / np.maximum(above - there[:, 1], 1e-300), 1.0)
         crossing = here[:, 0] + part * (there[:, 0] - here[:, 0])
         # a streamline along the bottom is pushed back onto it until it comes to the outlet
-        out = through & (crossing >= outlet[0]) & (crossing <= outlet[1])
+        left, right = outlets.T
+        out = through & ((crossing[:, None] >= left) & (crossing[:, None] <= right)).any(axis=1)
         arrival[on_way[out]] = (time[on_way] + part * interval)[out]
         time[on_way] += interval
         place[on_way] = np.clip(there, 0.0, walls)

@@ -8,11 +8,14 @@ velocity as a multiple, along x and y, of the plate velocity of the step):
 `slot(i, j)`    where along the wall the reaction of the node is booked
 """
 
+from taichi_silo.mpm.walls.bands import Bands
 from taichi_silo.mpm.walls.contact import Coulomb, Frictionless, NoSlip, RoughFree
-from taichi_silo.mpm.walls.outlets import Edges, Gate, OpenFloor
+from taichi_silo.mpm.walls.outlets import Edges, Gate, Gates, OpenFloor
 from taichi_silo.mpm.walls.planes import FixedNode, PlaneWall
+from taichi_silo.mpm.walls.side_outlets import SideEdges, SideGate
 from taichi_silo.mpm.walls.surfaces import Surface
 
 __all__ = [
-    "Coulomb", "Edges", "Gate", "Frictionless", "RoughFree", "NoSlip", "OpenFloor", "FixedNode", "PlaneWall", "Surface",
+    "Bands", "Coulomb", "Edges", "Gate", "Gates", "Frictionless", "RoughFree", "NoSlip", "OpenFloor", "FixedNode",
+    "PlaneWall", "SideEdges", "SideGate", "Surface",
 ]  # fmt: skip

@@ -3,6 +3,7 @@
 from taichi_silo.mpm.frozen import frozen
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.walls.bands import Bands
 from taichi_silo.mpm.walls.contact import Coulomb, Frictionless, NoSlip, RoughFree
 
 
@@ -23,6 +24,8 @@ class PlaneWall:
         with that (see `followed`).
     bears_from : of a wall of no slip, the row of nodes from which it bears sand; lower ones, which a floor bears, it
         only keeps in.
+    openings : first and last row, or column, of the nodes of openings in it, which others hold.
+    bands : friction that changes along it (see `bands`); `contact` then says nothing.
 
     """
 
@@ -35,6 +38,13 @@ class PlaneWall:
     lowest: int = 0
     fade: float = 0.0
     bears_from: int = 0
+    openings: tuple[tuple[int, int], ...] = ()
+    bands: Bands | None = None
+
+    @property
+    def banded(self) -> bool:
+        """Whether its friction changes along it."""
+        return self.bands is not None
 
     def plane(self, grid: Grid) -> tuple[int, int, float]:
         """Axis, side and coordinate [m] (Python scope)."""
@@ -48,6 +58,9 @@ class PlaneWall:
         held = beyond >= 0
         if ti.static(self.lowest > 0):
             held = held and j >= self.lowest
+        for first, last in ti.static(self.openings):
+            along = self.slot(i, j)
+            held = held and (along < first or along > last)
         return held
 
     @ti.pyfunc

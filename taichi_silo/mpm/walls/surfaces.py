@@ -11,7 +11,9 @@ k = STIFFNESS rho h / dt^2 follows from the step, so that it limits it no furthe
 thousandths of a cell. Balance is exact: what nodes get is what is booked. The grid must stand still.
 """
 
+import math
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -37,18 +39,31 @@ class Surface:
     name : "hopper_left", "insert_1", ...
     corners : of the line [m], in the frame of the grid.
     contact : Coulomb, or NoSlip (very rough: sand neither slides nor parts).
+    gaps : numbers of its sides that are none.
+    bands : lower and upper end [m], and friction angle [degrees], of parts with Coulomb friction of their own.
 
     """
 
     name: str
     corners: tuple[tuple[float, float], ...]
     contact: Coulomb | NoSlip
+    gaps: tuple[int, ...] = ()
+    bands: tuple[tuple[float, float, float], ...] = ()
+
+    def friction(self, height_m: np.ndarray) -> np.ndarray:
+        """Friction coefficient at heights (n,) [m]; below 0: very rough."""
+        found = np.full(len(height_m), -1.0 if isinstance(self.contact, NoSlip) else self.contact.coefficient)
+        for low, high, angle_deg in self.bands:
+            found[(height_m >= low) & (height_m < high)] = math.tan(math.radians(angle_deg))
+        return found
 
     def stations(self, cell_size: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Places (n, 2), unit normals out of the sand (n, 2), and lengths (n,) of its stations."""
         places, normals, lengths = [], [], []
         corners = np.array(self.corners)
-        for start, end in zip(corners[:-1], corners[1:], strict=True):
+        for number, (start, end) in enumerate(pairwise(corners)):
+            if number in self.gaps:
+                continue
             length = float(np.hypot(*(end - start)))
             count = max(1, round(PER_CELL * length / cell_size))
             along = (end - start) / length
@@ -101,8 +116,7 @@ class Surfaces:
             places.append(x)
             normals.append(n)
             areas.append(s)
-            contact = surface.contact
-            friction.append(np.full(len(x), -1.0 if isinstance(contact, NoSlip) else contact.coefficient))
+            friction.append(surface.friction(x[:, 1]))
             owner.append(np.full(len(x), first_wall + number))
         place, normal, area = np.concatenate(places), np.concatenate(normals), np.concatenate(areas)
         row = np.floor(place[:, 1] / h + 1e-9).astype(int) + MARGIN

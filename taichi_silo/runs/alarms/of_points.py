@@ -30,9 +30,9 @@ def space(scene: Scene) -> shapely.Geometry:
     above = shapely.box(left[-1, 0], left[-1, 1], right[-1, 0], left[-1, 1] + free)
     found = shapely.union(shapely.Polygon(np.concatenate([right, left[::-1]])), above)
     if not silo.floor_is_outlet:
-        first, last = silo.outlet_m
-        found = shapely.union(found, shapely.box(first, -BELOW * h, last, 0.0))
-        found = shapely.union(found, shapely.box(first - BESIDE * h, -BELOW * h, last + BESIDE * h, -OUTSIDE * h))
+        for one in silo.openings:
+            found = shapely.union(found, shapely.box(*one.box(0.0, BELOW * h)))
+            found = shapely.union(found, shapely.box(*one.box(OUTSIDE * h, BELOW * h, BESIDE * h)))
     for insert in silo.inserts:
         found = shapely.difference(found, shapely.Polygon(insert.outline(silo.width_m)))
     return found

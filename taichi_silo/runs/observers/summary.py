@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 import time
 from functools import cache
 from pathlib import Path
@@ -22,6 +23,8 @@ from taichi_silo.runs.observers.forces import rows_of
 from taichi_silo.runs.observers.wall_profiles import WallProfiles
 from taichi_silo.runs.result import at_rest, residual
 from taichi_silo.runs.theories import theory_of
+from taichi_silo.scene.outlets import Outlet
+from taichi_silo.simulation import outflow
 from taichi_silo.utils import atomic_write
 
 MEASURED = (0.9, 1.0)  # of the flow: between which its pattern is measured
@@ -83,6 +86,8 @@ class Summary(Observer):
         simulation = self.simulation
         sunk = -simulation.origin_m
         out = simulation.displacement * simulation.scene.silo.outlet_share_m
+        if simulation.model.gates is not None:  # which do not all sink as far
+            out = simulation.discharged / simulation.model.density
         return simulation.points() | {
             "displacement_m": simulation.displacement, "time_s": simulation.time, "sunk_m": sunk, "left_m2": out,
         }  # fmt: skip
@@ -165,11 +170,28 @@ class Summary(Observer):
         """What has left, and whether the books close."""
         simulation = self.simulation
         gone, left, first = simulation.discharged, simulation.above_opening, simulation.model.mass
-        return {
+        found = {
             "discharged_kg_per_m": gone,
             "left_in_silo_kg_per_m": left,
             "error_over_first_mass": abs(gone + left - first) / first,
         }
+        return found | ({} if simulation.model.gates is None else {"outlets": self._outlets()})
+
+    def _outlets(self) -> list[dict]:
+        """What has left by each of several outlets, and its mean rate while sand of the outflow left."""
+        simulation, since = self.simulation, self.simulation.clock.flow_start
+        seconds = 0.0 if since is None else simulation.time - since
+        free, model = simulation.scene.flow.outflow == "gravity", simulation.model
+        closing = 0.0 if free else outflow.start(simulation.scene, model.period)
+        return [
+            {
+                "outlet": outlet.words(),
+                "discharged_kg_per_m": mass,
+                "mean_rate_kg_per_s_m": mass / open_s if (open_s := _open_s(outlet, seconds, closing)) else 0.0,
+                "open_s": open_s,
+            }
+            for outlet, mass in zip(simulation.scene.silo.outlets, simulation.outlets_kg_per_m, strict=True)
+        ]
 
     def _forces(self, records: pd.DataFrame) -> dict:
         """State after filling, peaks in flow (means over one period) and residual state."""
@@ -232,6 +254,12 @@ class Summary(Observer):
         interior = interior_zone_count(position, points["void_ratio"], scene.silo.width_m)
         found["interior_zones"] = {"count": interior.count, "height_m": [float(y) for y in interior.height_m]}
         return found
+
+
+def _open_s(outlet: Outlet, seconds: float, closing_s: float) -> float:
+    """For how long an outlet was not closed in an outflow of so many seconds, if its gate takes a time to close [s]."""
+    end = math.inf if outlet.closes_at_s is None else outlet.closes_at_s + closing_s
+    return max(0.0, min(seconds, end) - outlet.opens_at_s)
 
 
 STATES = ("after_filling", "before", "mid")

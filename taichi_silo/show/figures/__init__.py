@@ -14,6 +14,7 @@ from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import no_link
 from taichi_silo.show.figures.batch import batch_figure
 from taichi_silo.show.figures.forces import run_angle_figure, run_forces_figure
+from taichi_silo.show.figures.outflow import run_outflow_figure
 from taichi_silo.show.figures.response import response_figure
 from taichi_silo.show.figures.style import STYLE
 from taichi_silo.show.figures.void_ratio import run_void_ratio_figure
@@ -27,6 +28,7 @@ RUN_FIGURES = {
     "wall_friction_angle": run_angle_figure,
     "void_ratio": run_void_ratio_figure,
     "wall_stress": run_wall_stress_figure,
+    "outflow": run_outflow_figure,
 }
 
 

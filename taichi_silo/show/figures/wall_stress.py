@@ -42,7 +42,7 @@ def legend(run: Result) -> str:
     """What the lines of a run's figure are."""
     cell = mm(reading_of(run).cell_m)
     if run.lopsided:
-        return f"bold: as a pressure cell of {cell} reads; outlet off the middle: left solid, right dashed"
+        return f"bold: as a pressure cell of {cell} reads; walls not alike: left solid, right dashed"
     return f"bold: mean of both walls, as a pressure cell of {cell} reads; light: each wall, node by node"
 
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from taichi_silo.runs.point_fields import Scale
+from taichi_silo.scene import bands
 from taichi_silo.scene.scene import Scene
 from taichi_silo.show.film.canvas import Canvas
 from taichi_silo.show.film.curves import Course
@@ -101,10 +102,10 @@ def course_of(scene: Scene) -> Course:
 
 
 def floors(silo) -> list[np.ndarray]:
-    """Outlines (n, 2) of the floor beside the outlet [m]."""
-    left, right = silo.outlet_m
+    """Outlines (n, 2) of the floor beside the outlets [m]."""
+    openings = sorted((one.low, one.high) for one in silo.openings if one.in_floor)
     deep = -0.1 * silo.height_m
-    spans = ((0.0, left), (right, silo.width_m))
+    spans = zip((0.0, *(high for _, high in openings)), (*(low for low, _ in openings), silo.width_m), strict=True)
     return [np.array([[a, 0.0], [b, 0.0], [b, deep], [a, deep]]) for a, b in spans if b > a]
 
 
@@ -113,5 +114,6 @@ def title(scene: Scene) -> str:
     walls = "very rough walls"
     if scene.walls.kind == "smooth":
         walls = f"smooth walls ({scene.walls.friction_angle_deg:g}°)"
+    walls = ", ".join(filter(None, (walls, bands.words(scene.walls))))
     words = [f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}", walls, scene.silo.words()]
     return ", ".join(word for word in words if word)

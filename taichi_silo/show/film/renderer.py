@@ -45,9 +45,9 @@ class Renderer:
     ):  # fmt: skip
         self.history, self.field = history, field_of(look.field)
         silo = history.scene.silo
-        way = (
-            None if silo.floor_is_outlet else Way(*silo.outlet_m, whole(history.scene).bottom - history.scene.spacing_m)
-        )
+        way = None
+        if not silo.floor_is_outlet and silo.one_opening:
+            way = Way(*silo.outlet_m, whole(history.scene).bottom - history.scene.spacing_m)
         self.between = Between(states or history, self._values, way)
         self.scale = scale or scale_of(history, look, states is not None)
         self.forces, self.told = ForceRows(history), 0

@@ -97,13 +97,18 @@ def drawing(run: Result) -> str:
 def _floor(sheet: Sheet, run: Result) -> None:
     """Floor, gate, and an arrow where the sand leaves."""
     silo = run.scene.silo
-    (first, last), (left, right) = silo.floor_m, silo.outlet_m
-    for begin, end in ((first, left), (right, last)):
+    first, last = silo.floor_m
+    openings = sorted((one.low, one.high) for one in silo.openings if one.in_floor)
+    for begin, end in zip((first, *(high for _, high in openings)), (*(low for low, _ in openings), last), strict=True):
         if end > begin:
             sheet.line(sheet.at(begin, 0.0), sheet.at(end, 0.0), "wall")
-    sheet.line(sheet.at(left, 0.0), sheet.at(right, 0.0), "gate")
-    x, y = sheet.at(0.5 * (left + right), 0.0)
-    sheet.arrow((x, y + 8.0), (x, y + 30.0), "flow")
+    for one in silo.openings:
+        edge, other = (sheet.at(*place) for place in one.ends)
+        sheet.line(edge, other, "gate")
+        x, y = 0.5 * (edge[0] + other[0]), 0.5 * (edge[1] + other[1])
+        right, up = one.outwards
+        sheet.arrow((x + 8.0 * right, y - 8.0 * up), (x + 30.0 * right, y - 30.0 * up), "flow")
+    x, y = sheet.at(0.5 * sum(silo.outlet_m), 0.0)
     speed, depth = run.scene.flow.speed_m_per_s, run.scene.flow.displacement_m
     if run.free:
         said = "opened, sand falls out"
@@ -120,8 +125,13 @@ def _dimensions(sheet: Sheet, silo: Silo) -> None:
     sheet.dimension((x0, top), (x1, top), f"{'⌀ ' if silo.section == 'round' else ''}{mm(wide)}")
     sheet.dimension((x0 - 26.0, sheet.at(0.0, high)[1]), (x0 - 26.0, y0), mm(high))
     if not silo.floor_is_outlet:
-        left, right = (sheet.at(x, 0.0)[0] for x in silo.outlet_m)
-        sheet.dimension((left, y0 + 52.0), (right, y0 + 52.0), mm(silo.outlet_m[1] - silo.outlet_m[0]))
+        for one in silo.openings:
+            if one.in_floor:
+                left, right = (sheet.at(x, 0.0)[0] for x in (one.low, one.high))
+                sheet.dimension((left, y0 + 52.0), (right, y0 + 52.0), mm(one.width))
+            else:
+                x = sheet.at(one.at_m, 0.0)[0] + 12.0 * one.outwards[0]
+                sheet.dimension((x, sheet.at(0.0, one.high)[1]), (x, sheet.at(0.0, one.low)[1]), mm(one.width))
     level = sheet.at(0.0, silo.transition_m)[1]
     if silo.transition_m:
         sheet.dimension((x1 + 32.0, level), (x1 + 32.0, y0), mm(silo.transition_m))

@@ -11,13 +11,14 @@ from markupsafe import Markup
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.result import FILM, Result
 from taichi_silo.runs.run_folder import MADE, no_link, writable
-from taichi_silo.scene import known_limits, sands
+from taichi_silo.scene import bands, known_limits, sands
 from taichi_silo.show import html
 from taichi_silo.show.figures import plot_run
 from taichi_silo.show.report import tables
 from taichi_silo.show.report.drawing import drawing
 from taichi_silo.show.report.eurocode import EurocodeReport
 from taichi_silo.show.report.key import in_one_sentence, key_numbers
+from taichi_silo.show.report.outlets import outlet_table
 from taichi_silo.show.report.parameters import parameter_tables
 from taichi_silo.show.report.story import story
 from taichi_silo.show.report.trust import verdict
@@ -39,6 +40,10 @@ FIGURES = {  # name: (what it shows, for those who cannot see it; a caption)
     "wall_stress": (
         "Profiles of wall normal and shear stress against height",
         "Stresses along the walls in three states, with Janssen's theory after filling and EN 1991-4 on discharge.",
+    ),
+    "outflow": (
+        "Curves of the mass that has left by each outlet, and of its rate",
+        "What has left by each outlet, and how fast. Hollow lines: its gate is closed.",
     ),
     "void_ratio": (
         "Void ratio in the silo at several displacements",
@@ -110,6 +115,7 @@ def page(run: Result, trouble: Sequence[str] = ()) -> str:
         inner_zones=tables.inner_zone_table(run),
         inner=run.summary.get("zones_inside") or {},
         residence=tables.residence_table(run),
+        outlets=outlet_table(run),
         parameters=parameter_tables(run.parameters),
         cost=_cost(run),
         folder=run.folder.as_posix(),
@@ -130,7 +136,12 @@ def _facts(run: Result) -> list[tuple[str, str]]:
     return [
         ("sand", scene.sand.name),
         ("void ratio", plain(scene.sand.void_ratio)),
-        ("side walls", smooth if scene.walls.kind == "smooth" else "very rough"),
+        (
+            "side walls",
+            ", ".join(
+                filter(None, (smooth if scene.walls.kind == "smooth" else "very rough", bands.words(scene.walls)))
+            ),
+        ),
         ("weight", f"{kN(run.summary.get('weight_N_per_m'))} kN/m"),
     ]
 

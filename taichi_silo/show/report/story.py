@@ -1,6 +1,7 @@
 """What was modelled, in a few lines."""
 
 from taichi_silo.runs.result import Result
+from taichi_silo.scene import bands
 from taichi_silo.show.report.words import count, kN, mm, plain
 from taichi_silo.utils.messages import counted
 
@@ -33,6 +34,8 @@ def _walls(run: Result) -> str:
     side = "very rough: sand at the wall does not slip"
     if run.scene.walls.kind == "smooth":
         side = f"smooth, Coulomb friction of {plain(run.scene.walls.friction_angle_deg)}°"
+    if special := bands.words(run.scene.walls):
+        side += f", in bands {special}"
     bottom, silo = run.scene.walls.bottom_friction_angle_deg, run.scene.silo
     words = f"Side walls {side}; {'bottom' if silo.floor_is_outlet else 'floor'} "
     words += f"with friction of {plain(bottom)}°" if bottom else "without friction"
@@ -54,10 +57,21 @@ def _outflow(run: Result) -> str:
     flow = run.scene.flow
     if run.free:
         longest = plain(flow.longest_s)
-        return f"The outlet is opened and the sand falls out by its weight, until it stops or {longest} s have passed."
+        words = f"The outlet is opened and the sand falls out by its weight, until it stops or {longest} s have passed."
+        return words + _times(run)
     what = "A gate in the outlet is lowered, and sand below the floor is taken away"
     what = "The whole bottom is lowered" if run.scene.silo.floor_is_outlet else what
-    return f"{what}: {mm(flow.displacement_m)} at {plain(1e3 * flow.speed_m_per_s)} mm/s."
+    return f"{what}: {mm(flow.displacement_m)} at {plain(1e3 * flow.speed_m_per_s)} mm/s.{_times(run)}"
+
+
+def _times(run: Result) -> str:
+    """When the gates of several outlets open and close."""
+    words = ""
+    for number, outlet in enumerate(run.scene.silo.outlets):
+        if outlet.timed:
+            until = "" if outlet.closes_at_s is None else f" and begins to close after {plain(outlet.closes_at_s)} s"
+            words += f" Gate {number + 1} opens after {plain(outlet.opens_at_s)} s{until}."
+    return words
 
 
 def _method(run: Result) -> str:
