@@ -11,8 +11,7 @@ from typing import Any
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.laws.integrate import LOCAL_ERROR
 from taichi_silo.mpm.shapes import SHAPES
-from taichi_silo.scene import fidelity
-from taichi_silo.scene import cell_sizes
+from taichi_silo.scene import cell_sizes, fidelity
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.stress_filter import filter_of
 from taichi_silo.scene.symmetry import half_model
