@@ -68,7 +68,7 @@ def zones_inside(filled: dict, now: dict, scene: Scene) -> dict:
     found = shear_zones(
         now["position"] + (0.0, now["sunk_m"]), np.maximum(now["path"] - then["path"], 0.0), scene.silo.width_m,
         now["void_ratio"] - then["void_ratio"], scene.spacing_m, scene.sand.d50_m,
-        scene.averaging.length_m(scene.sand) or np.nan,
+        scene.characteristic_length_m or np.nan,
     )  # fmt: skip
     return {
         "count": found.count,

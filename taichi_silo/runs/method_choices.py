@@ -135,7 +135,7 @@ def intergranular_strain(scene: Scene) -> Part:
 
 def non_local_average(scene: Scene) -> Part:
     """Off where a point's own weight is nearly 1."""
-    kernel, because = scene.averaging.kernel(scene.sand, scene.spacing_m)
+    kernel, because = scene.averaging.kernel(scene.characteristic_length_m, scene.spacing_m)
     because += fidelity.change(scene, "non-local average")
     return Part("non-local average", _on(kernel is not None), because, "--characteristic-length")
 

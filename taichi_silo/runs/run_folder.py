@@ -215,7 +215,7 @@ def parameters(scene: Scene) -> dict:
     tables = scene.model_dump(exclude_none=True)
     tables["sand"]["law"] = scene.sand.law_for(scene.flow.turns_back)
     tables["silo"]["half"] = "yes" if half_model(scene)[0] else "no"
-    tables["averaging"]["characteristic_length_m"] = scene.averaging.length_m(scene.sand)
+    tables["averaging"]["characteristic_length_m"] = scene.characteristic_length_m
     tables["output"]["snapshots"] = scene.snapshots
     return tables
 

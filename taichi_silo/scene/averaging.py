@@ -9,6 +9,8 @@ from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, WEIGHTS, Weight, sel
 from taichi_silo.scene.sand import Sand
 from taichi_silo.utils.schema import Options
 
+OF_CELL = 0.5  # of a cell, the shortest length between very rough walls: with less N there is a quarter too high
+
 
 class Averaging(Options):
     """Non-local mean of the norm of the strain rate in the law's non-linear part."""
@@ -17,7 +19,8 @@ class Averaging(Options):
         None,
         ge=0,
         le=1000,
-        description="characteristic length of the non-local law; 3 d50 if absent, 0 for a local law",
+        description="characteristic length of the non-local law, 0 for a local law; if absent 3 d50, between very "
+        "rough walls half a cell if that is more",
     )
     weight: Literal["gaussian", "exponential"] = Field(
         "gaussian", description="weight of neighbours; the paper prints exponential"
@@ -28,9 +31,11 @@ class Averaging(Options):
         "if absent, ignored with another weight than gaussian",
     )
 
-    def length_m(self, sand: Sand) -> float:
-        """Characteristic length l_c [m]: as given, or three mean grain diameters."""
-        return 3.0 * sand.d50_m if self.characteristic_length_m is None else self.characteristic_length_m
+    def length_m(self, sand: Sand, cell_m: float = 0.0) -> float:
+        """Characteristic length l_c [m]: as given, or three mean grain diameters, or half a cell if that is more."""
+        if self.characteristic_length_m is not None:
+            return self.characteristic_length_m
+        return max(3.0 * sand.d50_m, OF_CELL * cell_m)
 
     means: Literal["grid", "rows"] | None = Field(
         None,
@@ -38,8 +43,10 @@ class Averaging(Options):
         "if absent",
     )
 
-    def summed_by(self, kernel: Weight, spacing_m: float) -> str:
-        """How the mean is summed: "grid" or "rows"."""
+    def summed_by(self, kernel: Weight, spacing_m: float, half: bool = False) -> str:
+        """How the mean is summed: "grid" or "rows", which a half model cannot have."""
+        if self.means is None and half and self.weight == "gaussian":
+            return "grid"
         return self.means or summed_by(kernel, spacing_m)
 
     @property
@@ -47,9 +54,8 @@ class Averaging(Options):
         """Whether walls that sand sticks to count in the mean."""
         return self.weight == "gaussian" if self.wall is None else self.wall == "rigid"
 
-    def check(self, sand: Sand, spacing_m: float, points: int, width_m: float) -> None:
+    def check(self, length: float, spacing_m: float, points: int, width_m: float) -> None:
         """Refuse a characteristic length beyond the body, or with more neighbours than memory holds."""
-        length = self.length_m(sand)
         if self.wall == "rigid" and self.weight != "gaussian":
             raise ValueError(f"weight is {self.weight}; with walls that count as rigid it must be gaussian")
         if length > width_m:
@@ -66,9 +72,8 @@ class Averaging(Options):
                 f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one, larger cells, or the means by a grid"
             )
 
-    def kernel(self, sand: Sand, spacing_m: float) -> tuple[Weight | None, str]:
-        """Weight function of the non-local average, None where it would change nothing, and why in a sentence."""
-        length = self.length_m(sand)
+    def kernel(self, length: float, spacing_m: float) -> tuple[Weight | None, str]:
+        """Weight function of the average over a length, None where it would change nothing, and why in a sentence."""
         if length == 0.0:
             return None, "The law is local: the characteristic length is 0."
         kernel = WEIGHTS[self.weight](length)

@@ -100,7 +100,7 @@ def of_results(scene: Scene) -> list[str]:
     told = measured(scene, named) if named else None
     if told:
         found.append(f"Cells and speed are those of the fidelity {named}; {told.words()}.")
-    if scene.averaging.kernel(scene.sand, scene.spacing_m)[0] is None:
+    if scene.averaging.kernel(scene.characteristic_length_m, scene.spacing_m)[0] is None:
         found.append(
             f"The law has no length of its own on this grid: shear zones are one to two cells ({1e3 * cell:g} to "
             f"{2e3 * cell:g} mm) thick, and what depends on their thickness depends on the grid."

@@ -25,12 +25,13 @@ GROUPS = (  # where Linux keeps the limit of a control group, such as that of a 
 
 def needed(scene: Scene) -> float:
     """Bytes that a run of a scene takes, on the processor; rather too few than too many."""
-    points = scene.points / (2 if half_model(scene)[0] or scene.silo.section == "round" else 1)
-    kernel, _ = scene.averaging.kernel(scene.sand, scene.spacing_m)
+    half = half_model(scene)[0]
+    points = scene.points / (2 if half or scene.silo.section == "round" else 1)
+    kernel, _ = scene.averaging.kernel(scene.characteristic_length_m, scene.spacing_m)
     average = 0.0
     if kernel:
         average = OF_MEAN * points
-        if scene.averaging.summed_by(kernel, scene.spacing_m) == "rows":
+        if scene.averaging.summed_by(kernel, scene.spacing_m, half) == "rows":
             average += OF_PAIR * most_pairs(kernel.radius, scene.spacing_m, int(points))
         else:
             average += OF_MEAN_NODE * points * (PER_LENGTH * scene.spacing_m / kernel.length_m) ** 2

@@ -180,7 +180,7 @@ class Scene(Options):
                 f"cell size is {h} m; it makes {self.points} points, at most {MOST_POINTS} are allowed (lengths are in "
                 "metres)"
             )
-        self.averaging.check(self.sand, self.spacing_m, self.points, self.silo.width_m)
+        self.averaging.check(self.characteristic_length_m, self.spacing_m, self.points, self.silo.width_m)
         if self.averaging.wall == "rigid" and self.walls.kind != "very-rough":
             raise ValueError(f"walls are {self.walls.kind}; in an average with rigid walls they must be very rough")
         bands.check(self.walls, self.silo)
@@ -225,6 +225,14 @@ class Scene(Options):
     def law(self) -> GudehusBauer | Intergranular:
         """The constitutive law of the sand in this scene."""
         return self.sand.constitutive_law(self.method.mass_scaling, self.flow.turns_back)
+
+    @property
+    def characteristic_length_m(self) -> float:
+        """Length of the non-local law [m]: as given, or three mean grain diameters, which coarse cells do not resolve.
+
+        In the zones along very rough walls sand then is too weak, so there it is half a cell if that is more.
+        """
+        return self.averaging.length_m(self.sand, self.grid.cell_size_m if self.walls.kind == "very-rough" else 0.0)
 
     @property
     def spacing_m(self) -> float:

@@ -78,8 +78,8 @@ def _obstacle(scene: "Scene") -> str:
     cells = round(silo.width_m / scene.grid.cell_size_m)
     if cells % 2 or cells < FEWEST_CELLS:
         return f"{cells} cells across have no half (an even number of at least {FEWEST_CELLS} has)"
-    kernel, _ = scene.averaging.kernel(scene.sand, scene.spacing_m)
-    if kernel is not None and scene.averaging.summed_by(kernel, scene.spacing_m) == "rows":
+    kernel, _ = scene.averaging.kernel(scene.characteristic_length_m, scene.spacing_m)
+    if kernel is not None and scene.averaging.summed_by(kernel, scene.spacing_m, half=True) == "rows":
         return f"the non-local average, {1e3 * kernel.length_m:g} mm long, is summed over neighbours across the axis"
     if scene.method.stress_filter not in ("none", "patch", "auto"):
         return f"the {scene.method.stress_filter} filter averages across the axis"

@@ -42,7 +42,7 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
     particles = Particles(len(fill["mass"]), Particles.extras(law, shape, method.transfer_of_points()))
     fill = {name: values for name, values in fill.items() if name in particles.names}
     particles.load(fill)
-    kernel, about_averaging = scene.averaging.kernel(scene.sand, scene.spacing_m)
+    kernel, about_averaging = scene.averaging.kernel(scene.characteristic_length_m, scene.spacing_m)
     openings = openings_of(scene, section)
     (walls, gates), surfaces = walls_of(scene, section, grid), surfaces_of(scene, section)
     period = period_of(scene)
@@ -152,7 +152,7 @@ def averaging_of(
     planes = [wall.plane(grid) for wall in walls if isinstance(wall, PlaneWall) and isinstance(wall.contact, NoSlip)]
     return NonLocal(
         kernel, particles, scene.spacing_m, rigid_planes=planes if scene.averaging.walls_count else (), grid=grid,
-        mirrored=section.half, by=scene.averaging.means,
+        mirrored=section.half, by=scene.averaging.summed_by(kernel, scene.spacing_m, section.half),
     )  # fmt: skip
 
 

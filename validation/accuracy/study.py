@@ -77,7 +77,7 @@ def truth(rows: list[Row], scene: str) -> dict[str, Truth]:
 def pace(scene: Scene) -> float:
     """Processor seconds of one core for a point and step of a scene's formulas, on the cells of the base."""
     larger = float(scenes.BASE[scenes.CELL]) / scene.grid.cell_size_m
-    length = larger * scene.averaging.length_m(scene.sand)
+    length = larger * scene.characteristic_length_m
     plain = changed(scene, {path: scenes.BASE[path] for path in (scenes.CELL, scenes.SPEED)} | {scenes.LENGTH: length})
     plain.machine.start()
     return rehearse(Simulation(plain)) / Simulation(plain).model.particles.count
@@ -110,7 +110,11 @@ def rows(wanted: list[Row], truths: dict[str, dict[str, Truth]]) -> pd.DataFrame
 
 def _formulas(scene: Scene) -> tuple:
     """What decides over the seconds of a point and step."""
-    method, grid, kernel = scene.method, scene.grid, scene.averaging.kernel(scene.sand, scene.spacing_m)[0]
+    method, grid, kernel = (
+        scene.method,
+        scene.grid,
+        scene.averaging.kernel(scene.characteristic_length_m, scene.spacing_m)[0],
+    )
     walls = scene.walls.kind, scene.silo.outlet is None
     return (
         grid.shape, grid.points_per_cell, method.transfer, method.stress_update, method.stress_filter,

@@ -63,7 +63,7 @@ class Biaxial:
                 PlaneWall("top", 1, 1, grid.top, Frictionless(), motion=(0.0, 1.0)),
             )
 
-        kernel, self.about_averaging = scene.averaging.kernel(scene.sand, scene.spacing_m)
+        kernel, self.about_averaging = scene.averaging.kernel(scene.averaging.length_m(scene.sand), scene.spacing_m)
         self.specimen = Specimen(
             law, e, width_m=scene.width_m, height_m=scene.height_m, cell_size_m=h, per_axis=per_axis,
             walls=walls, stress=stress,

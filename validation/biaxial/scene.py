@@ -45,7 +45,9 @@ class BiaxialScene(MethodOptions):
             )
         if self.weak_size_m > 0.5 * self.width_m:
             raise ValueError(f"weak size is {self.weak_size_m} m; it must be at most {0.5 * self.width_m}")
-        self.averaging.check(self.sand, self.spacing_m, self.points_across * round(rows), self.width_m)
+        self.averaging.check(
+            self.averaging.length_m(self.sand), self.spacing_m, self.points_across * round(rows), self.width_m
+        )
         self.sand.check_at(self.pressure_Pa)
         self.sand.model_copy(update={"void_ratio": self.weak_void_ratio}).check_at(self.pressure_Pa, "weak void ratio")
         return self

@@ -181,7 +181,7 @@ def test_a_scene_says_when_non_locality_is_inactive_and_then_leaves_it_out():
 
 
 def kernel_of(scene):
-    return scene.averaging.kernel(scene.sand, scene.spacing_m)
+    return scene.averaging.kernel(scene.characteristic_length_m, scene.spacing_m)
 
 
 def test_a_non_local_step_differs_from_a_local_one():
