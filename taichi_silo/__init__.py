@@ -33,6 +33,11 @@ HOME = {  # of the public names; each is imported when it is first used, which k
     "simulation.simulation": ("Simulation",),
     "studies.converge.study": ("converge",),
     "show.film.render": ("render",),
+    "show.report.page": ("report",),
+    "studies.compare.whole": ("Comparison", "compare"),
+    "show.export.whole": ("export",),
+    "studies.sweep.study": ("sweep",),
+    "studies.element_run": ("ElementCurve", "element_test"),
     "scene.silo": ("Hopper", "Insert", "Outlet", "Silo"),
 }
 _MODULES = {name: module for module, names in HOME.items() for name in names}

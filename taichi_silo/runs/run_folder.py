@@ -12,7 +12,7 @@ from pathlib import Path
 
 import tomli_w
 
-from taichi_silo.errors import BadInput
+from taichi_silo.errors import BadInput, Way, way
 from taichi_silo.mpm import language
 from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.scene.scene import Scene
@@ -143,10 +143,10 @@ def free(folder: Path, overwrite: bool = False) -> Path:
     """
     folder = own(folder)
     if (folder / MADE).exists() and not overwrite:
-        further = "" if finished(folder) or not (folder / CHECKPOINT).exists() else f", or `{go_on(folder)}`"
-        raise BadInput(
-            f"output {folder} holds a run already; give another folder, or --overwrite to replace it{further}"
-        )
+        anew, on = way("overwrite"), Way(f"ts.resume({str(folder)!r})", go_on(folder))
+        further = "" if finished(folder) or not (folder / CHECKPOINT).exists() else f", or `{on}`"
+        words = f"output {folder} holds a run already; give another folder, or {anew} to replace it{further}"
+        raise BadInput(words, anew, on)
     return folder
 
 

@@ -139,7 +139,7 @@ class Machine(Options):
         try:
             runtime.init(self.arch, self.threads)
         except runtime.ArchitectureError as error:
-            raise BadInput(str(error)) from error
+            raise BadInput(str(error), runtime.ON_CPU) from error
 
 
 class Scene(Options):

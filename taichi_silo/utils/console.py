@@ -2,8 +2,9 @@
 
 import json
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from taichi_silo.utils import streams
 
@@ -11,6 +12,7 @@ if TYPE_CHECKING:  # nothing is imported for a command that says nothing
     from rich.console import Console as RichConsole
     from rich.progress import Progress
 
+T = TypeVar("T")
 WIDE = 132  # columns of a table that goes to a file or another program
 
 
@@ -36,6 +38,14 @@ class Console:
 
         terminal = self.terminal
         return Progress(console=terminal, transient=True, disable=self.quiet or not terminal.is_terminal)
+
+    def tracked(self, steps: Iterable[T], words: str) -> Iterable[T]:
+        """The steps of a work, with a progress bar while they are gone through."""
+        from rich.progress import track
+
+        terminal = self.terminal
+        silent = self.quiet or not terminal.is_terminal
+        return track(steps, words, console=terminal, transient=True, disable=silent)  # type: ignore[arg-type]
 
     def say(self, *lines: str) -> None:
         """Tell a person."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from taichi_silo import api
-from taichi_silo.errors import BadInput
+from taichi_silo.errors import BadInput, way
 from taichi_silo.runs import film_states
 from taichi_silo.runs.cost_estimate import START_S, Cost, at_pace, rehearse
 from taichi_silo.runs.result import FILM
@@ -67,7 +67,9 @@ class Run:
     def check(self) -> None:
         """Refuse a folder that holds the run of another scene."""
         if (self.folder / MADE).exists() and self._other():
-            raise BadInput(f"output {self.folder} holds another scene's run; give another folder, or --overwrite it")
+            anew = way("overwrite")
+            words = f"output {self.folder} holds another scene's run; give another folder, or {anew} to replace it"
+            raise BadInput(words, anew)
 
     def attempt(self, extra: tuple = ()) -> None:
         """Do what is left: nothing if another attempt has finished it by now, the rest if one has begun it, or all.
