@@ -18,7 +18,7 @@ from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.scene.symmetry import half_model
-from taichi_silo.utils import atomic_write, bounded_reading
+from taichi_silo.utils import atomic_write, bounded_reading, plugin_files
 from taichi_silo.utils.messages import shown
 
 CHECKPOINT = "checkpoint.npz"  # from which it goes on
@@ -28,9 +28,14 @@ PRODUCTS = (
     MADE, "run.log", "summary.json", "forces.csv", "balance.csv", "walls.csv", "film_states.bin", "checkpoint*.npz",
     "curve.csv", "points.npz", "points.vtu", "scene.json", "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv",
     "snapshots/silo.pvd",
-    *(f"{field}{ending}" for field in FIELDS for ending in (".mp4", ".*.mp4", "_*.png")),  # films and pictures
     "silo.vtkhdf", "csv/*.csv", "wall-loads/*.*", "report.html",
 )  # fmt: skip
+
+
+def products() -> tuple[str, ...]:
+    """Patterns of all files that a run or what shows it leaves in its folder."""
+    pictures = (f"{field}{ending}" for field in FIELDS for ending in (".mp4", ".*.mp4", "_*.png"))
+    return (*PRODUCTS, *pictures)
 
 
 def writable(folder: Path) -> Path:
@@ -161,7 +166,7 @@ def claim(folder: Path, overwrite: bool = False) -> Path:
     """
     folder = free(folder, overwrite)
     try:
-        for pattern in PRODUCTS:
+        for pattern in products():
             for old in folder.glob(pattern):
                 old.unlink()
     except OSError as error:
@@ -258,6 +263,7 @@ def write_tables(folder: Path, tables: dict, program: dict) -> None:
         language.NAME: version(language.NAME),
         "python": platform.python_version(),
         "precision": "f64",
+        **({"plugins": plugins} if (plugins := plugin_files.loaded()) else {}),
         **program,
     }
     with atomic_write.written(folder / MADE) as passing:

@@ -51,12 +51,20 @@ def annotation(path: str) -> Any:
         many, table = typing.get_origin(kind) is tuple, table_in(kind)
         if is_number(name):
             kind = table if many else None
+        elif float in (found := numbers_by_name(kind)):
+            kind = found[1]
         else:
             field = table.model_fields.get(name) if table is not None and not many else None
             kind = None if field is None else field.annotation
         if kind is None:
             return None
     return kind
+
+
+def numbers_by_name(kind: Any) -> tuple:
+    """Types of names and values of a dictionary of numbers, alone or beside None; empty if it is none."""
+    parts = (kind, *typing.get_args(kind))
+    return next((typing.get_args(one) for one in parts if typing.get_origin(one) is dict), ())
 
 
 def known(path: str) -> bool:

@@ -140,6 +140,8 @@ def _kind(annotation: Any) -> str:
         return " | ".join(map(_kind, arguments))
     if origin is tuple:
         return "list of pairs of numbers" if typing.get_origin(arguments[0]) is tuple else "list"
+    if origin is dict:
+        return "table of numbers"
     if origin is typing.Annotated:
         return _kind(arguments[0])
     return WORDS[annotation.__name__]

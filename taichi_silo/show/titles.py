@@ -13,8 +13,7 @@ def title(run: Result, symbol: str = "$e_0$") -> str:
     """Sand, walls, and what else a run is told by, such as an outlet."""
     scene = run.scene
     words = [sand_title(scene.sand, symbol)]
-    smooth = scene.walls.kind == "smooth"
-    words.append(f"smooth walls ({scene.walls.friction_angle_deg:g}°)" if smooth else "very rough walls")
+    words.append(scene.walls.words)
     if special := scene.silo.words():
         words.append(special)
     if run.free:

@@ -110,8 +110,6 @@ def floors(silo) -> list[np.ndarray]:
 
 def title(scene: Scene) -> str:
     """One line that says which sand, walls and silo are seen."""
-    walls = "very rough walls"
-    if scene.walls.kind == "smooth":
-        walls = f"smooth walls ({scene.walls.friction_angle_deg:g}°)"
-    words = [f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}", walls, scene.silo.words()]
+    sand = f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}"
+    words = [sand, scene.walls.words, scene.silo.words()]
     return ", ".join(word for word in words if word)

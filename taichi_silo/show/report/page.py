@@ -139,11 +139,13 @@ def _title(run: Result) -> str:
 def _facts(run: Result) -> list[tuple[str, str]]:
     """What a drawing cannot show: name and value."""
     scene = run.scene
-    smooth = f"smooth, {plain(scene.walls.friction_angle_deg)}°"
+    walls = scene.walls.kind.replace("-", " ")
+    if scene.walls.friction_angle_deg is not None:
+        walls += f", {plain(scene.walls.friction_angle_deg)}°"
     return [
         ("sand", scene.sand.name),
         ("void ratio", plain(scene.sand.void_ratio)),
-        ("side walls", smooth if scene.walls.kind == "smooth" else "very rough"),
+        ("side walls", walls),
         ("weight", f"{kN(run.summary.get('weight_N_per_m'))} kN/m"),
     ]
 
