@@ -28,7 +28,7 @@ PRODUCTS = (
     MADE, "run.log", "summary.json", "forces.csv", "balance.csv", "walls.csv", "film_states.bin", "checkpoint*.npz",
     "curve.csv", "points.npz", "points.vtu", "scene.json", "figures/*.png", "snapshots/*.vtu", "snapshots/index.csv",
     "snapshots/silo.pvd",
-    "silo.vtkhdf", "csv/*.csv", "wall-loads/*.*", "report.html",
+    "silo.vtkhdf", "silo_walls.vtkhdf", "csv/*.csv", "wall-loads/*.*", "report.html",
 )  # fmt: skip
 
 

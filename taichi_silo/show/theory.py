@@ -16,11 +16,10 @@ def straight_m(run: Result) -> float:
 
 
 def wall_angle_deg(run: Result) -> float:
-    """Friction angle along the walls: the wall's own, or of critical simple shear at very rough walls."""
-    if run.scene.walls.kind == "very-rough":
-        return critical_simple_shear_angle_deg(run.scene.sand.critical_friction_angle_deg)
-    assert run.scene.walls.friction_angle_deg is not None  # smooth walls have one
-    return run.scene.walls.friction_angle_deg
+    """Friction angle along the walls: the wall's own, or of critical simple shear at walls that have none."""
+    if run.scene.walls.friction_angle_deg is not None:
+        return run.scene.walls.friction_angle_deg
+    return critical_simple_shear_angle_deg(run.scene.sand.critical_friction_angle_deg)
 
 
 def pressure_ratios(run: Result) -> dict[str, float]:

@@ -14,15 +14,29 @@ from taichi_silo.utils.machine_faults import of_file
 
 
 class Format(NamedTuple):
-    """How a format is written, how its file or folder is called where no name is given, and which of both it is."""
+    """How a format is written, how its file or folder is called where no name is given, and which of both it is.
+
+    Attributes
+    ----------
+    write : into a path, telling of each state that is done; returns their number.
+    name : of the file or folder.
+    beside : the other file that belongs to a file; None of a folder.
+
+    """
 
     write: Callable[[Result, Path, Callable[[], object]], int]
     name: str
-    is_file: bool = False
+    beside: Callable[[Path], Path] | None = None
+
+    def files(self, target: Path) -> list[Path]:
+        """What is there of it."""
+        if self.beside is None:
+            return [*target.glob("*.*")]
+        return [one for one in (target, self.beside(target)) if one.exists()]
 
 
 FORMATS = {
-    "vtkhdf": Format(vtkhdf.write, "silo.vtkhdf", is_file=True),
+    "vtkhdf": Format(vtkhdf.write, "silo.vtkhdf", vtkhdf.walls_beside),
     "csv": Format(tables.write, "csv"),
     "wall-loads": Format(wall_loads.write, "wall-loads"),
 }
@@ -83,12 +97,13 @@ def export(
             f"folder is {found.folder}; it must be that of a run with wall stresses, and its walls.csv has none"
         )
     target = found.folder / wanted.name if file is None else place(file, "output")
-    there, anew = any(target.glob("*")) if target.is_dir() else target.exists(), way("overwrite")
-    if there and not overwrite:
+    is_file, anew = wanted.beside is not None, way("overwrite")
+    if (any(target.glob("*")) if target.is_dir() else target.exists() or wanted.files(target)) and not overwrite:
         raise BadInput(f"output {target} is there already; give another name, or {anew} to replace it", anew)
-    if target.exists() and target.is_dir() == wanted.is_file:
-        raise BadInput(f"output is {target}; it must be a {'file' if wanted.is_file else 'folder'} for {kind}")
-    no_link(target, target.with_name(f"{target.name}.part"), *(target.glob("*.*") if target.is_dir() else ()))
+    if target.exists() and target.is_dir() == is_file:
+        raise BadInput(f"output is {target}; it must be a {'file' if is_file else 'folder'} for {kind}")
+    written = [target] if wanted.beside is None else [target, wanted.beside(target)]
+    no_link(*(one.with_name(f"{one.name}{end}") for one in written for end in ("", ".part")), *wanted.files(target))
     writable(target.parent)
     steps = iter(tracked(range(len(found.snapshots))))
     try:
@@ -99,5 +114,4 @@ def export(
             continue  # a format with fewer parts than states
     except OSError as error:
         raise of_file(error, target) from error
-    files = [target] if target.is_file() else [*target.glob("*.*")]
-    return Exported(target, count, sum(one.stat().st_size for one in files))
+    return Exported(target, count, sum(one.stat().st_size for one in wanted.files(target)))
