@@ -41,8 +41,8 @@ def scenario(
     measured: Annotated[
         list[Path] | None,
         Option(
-            metavar="FILE", help="CSV of the same test, drawn over the curve; repeatable; axial strain [%] with q [kPa] "
-            "and the like, as `taichi-silo calibrate` reads it, of shear tests shear strain [%] with shear stress [kPa]",
+            metavar="FILE", help="CSV of the same test, drawn over the curve; axial strain [%] with q [kPa] and the "
+            "like as `taichi-silo calibrate` reads it; of shear, shear strain [%] with shear stress [kPa]",
         ),
     ] = None,
     through: Annotated[Literal["point", "mpm"], Option(help="the law alone, or the whole method")] = "point",

@@ -28,27 +28,17 @@ BRANCH = "it must use ti.select, as eight points are computed at once"
 NO_FUNCTIONS = "formulas call ti.max, ti.min, ti.sqrt, ti.select, ti.static, those of tensors and lane_maths, and own"
 
 
-def check(function: Callable, name: str, kinds: dict[str, str], owner: type | None = None) -> str:
-    """Check a formula and those of its own that it calls; returns the kind of its result.
+class Formula:
+    """The source of one formula, gone through from the top to the bottom; raises BadInput with the first breach.
 
     Parameters
     ----------
     function : as `ti.func` leaves it.
     name : in the sentence.
-    kinds : of its parameters by their names, less `self`, in their order.
     owner : the class whose formula it is, if it is one's.
-
-    Raises
-    ------
-    BadInput
-        with the first rule that it breaks.
+    above : formulas that call it.
 
     """
-    return Formula(function, name, owner).kind(kinds)
-
-
-class Formula:
-    """The source of one formula, gone through from the top to the bottom."""
 
     def __init__(self, function: Callable, name: str, owner: type | None, above: tuple[Callable, ...] = ()):
         self.name, self.owner, self.above = name, owner, (*above, function)
@@ -68,7 +58,7 @@ class Formula:
             raise BadInput(f"the file of {name} has `from __future__ import annotations`; kernels need it without")
 
     def kind(self, kinds: dict[str, str]) -> str:
-        """The kind of the result, where the parameters are of these kinds."""
+        """The kind of the result, where the parameters, by name and less `self`, are of these kinds."""
         given = self.tree.args
         names = [one.arg for one in given.args]
         names = names[1:] if names[:1] == ["self"] else names
@@ -140,12 +130,14 @@ class Formula:
 
     def _result(self, node: ast.Return) -> str:
         if node.value is None:
-            self._refuse(node, "returns nothing", "it must return its result")
+            return self._refuse(node, "returns nothing", "it must return its result")
         parts = node.value.elts if isinstance(node.value, ast.Tuple) else [node.value]
-        for part in parts:  # type: ignore[union-attr]
+        for part in parts:
             if self._value(part) == CONSTANT:
                 text = ast.unparse(part)
-                self._refuse(node, f"returns the plain number {text}", f"it must be {text} + 0.0 * a parameter, of lanes")
+                self._refuse(
+                    node, f"returns the plain number {text}", f"it must be {text} + 0.0 * a parameter, of lanes"
+                )
         return self._value(node.value)
 
     def _assign(self, target: ast.expr, value: ast.expr) -> None:
@@ -224,7 +216,9 @@ class Formula:
         if sign is None:
             self._refuse(node, f"has {ast.unparse(node)}", "formulas have + - * / and whole powers only")
         if TUPLE in kinds:
-            self._refuse(node, f"computes with a tuple in {ast.unparse(node)}", "it must use added or scaled of tensors")
+            self._refuse(
+                node, f"computes with a tuple in {ast.unparse(node)}", "it must use added or scaled of tensors"
+            )
         if CONDITION in kinds:
             self._refuse(node, f"computes with a condition in {ast.unparse(node)}", "it must stand in ti.select only")
         whole = isinstance(node.right, ast.Constant) and isinstance(node.right.value, int) and node.right.value > 0
@@ -281,7 +275,7 @@ class Formula:
     def _of_self(self, node: ast.Call, called: ast.Attribute, kinds: list[str]) -> str:
         if ast.unparse(called.value) != "self" or self.owner is None:  # of a part, which is checked by itself
             return ANY
-        function = vars(self.owner).get(called.attr)
+        function: Any = vars(self.owner).get(called.attr)
         if function is None or not hasattr(function, "__wrapped__"):
             self._refuse(node, f"calls self.{called.attr}", "it must be a @ti.func of the class")
         own = {f"parameter {number}": kind for number, kind in enumerate(kinds)}
@@ -289,7 +283,7 @@ class Formula:
 
 
 def _of_own(value: ast.expr) -> bool:
-    """Whether components of a value may be tuples themselves: it is a tuple that is written, or of a function of self."""
+    """Whether components of a value may be tuples themselves: it is a written tuple, or of a function of self."""
     return isinstance(value, ast.Tuple) or "self." in ast.unparse(value)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from taichi_silo.errors import BadInput
-from taichi_silo.mpm.formula_rules import CONSTANT, NUMBER, TUPLE, check
+from taichi_silo.mpm.formula_rules import CONSTANT, NUMBER, TUPLE, Formula
 from taichi_silo.mpm.frozen import HIDDEN
 from taichi_silo.mpm.laws.on_arrays import law_on_arrays
 
@@ -127,7 +127,9 @@ def check_values(law: type, constants: Mapping[str, float]) -> None:
             turned = _rate(own, _quarter(stress), e, _quarter(D))
             size = 1e-300 + np.max(np.abs(rate), axis=0)
             if (np.abs(np.subtract(_quarter(rate), turned)) > CLOSE * size).any():
-                raise BadInput(f"{name}.rate is another one where the axes x and y are turned; it must not hang on them")
+                raise BadInput(
+                    f"{name}.rate is another one where the axes x and y are turned; it must not hang on them"
+                )
             traction = np.hypot(rate[0] * n[0] + rate[3] * n[1], rate[3] * n[0] + rate[1] * n[1])
             if (traction > bound * (1.0 + CLOSE) + 1e-300).any():
                 worst = int(np.argmax(traction / np.maximum(bound, 1e-300)))
@@ -139,7 +141,9 @@ def check_values(law: type, constants: Mapping[str, float]) -> None:
 
 def _frozen(kind: type) -> None:
     if HIDDEN not in vars(kind):
-        raise BadInput(f"{kind.__name__} is no frozen dataclass; it must have @frozen of taichi_silo.mpm.frozen above it")
+        raise BadInput(
+            f"{kind.__name__} is no frozen dataclass; it must have @frozen of taichi_silo.mpm.frozen above it"
+        )
     for name, field in getattr(kind, HIDDEN).items():
         if field.type not in (float, int, "float", "int"):
             raise BadInput(f"{kind.__name__}.{name} is of type {field.type}; constants must be float or int")
@@ -150,7 +154,7 @@ def _formulas(kind: type, wanted: Mapping[str, tuple[dict[str, str], str]]) -> N
         function = getattr(kind, name, None)
         if not isinstance(function, FunctionType):
             raise BadInput(f"{kind.__name__} has no formula {name}; it must have {', '.join(wanted)}")
-        found = check(function, f"{kind.__name__}.{name}", kinds, kind)
+        found = Formula(function, f"{kind.__name__}.{name}", kind).kind(kinds)
         if found in (TUPLE, NUMBER, CONSTANT) and (found == TUPLE) != (result == TUPLE):
             right = "a tuple" if result == TUPLE else "a number"
             raise BadInput(f"{kind.__name__}.{name} returns a {found}; it must return {right}")

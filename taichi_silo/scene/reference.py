@@ -93,16 +93,19 @@ def template() -> str:
 
 
 def markdown() -> str:
-    """Every value of a scene file, table after table, in Markdown."""
+    """Every value of a scene file, table after table, in Markdown: lists, which a phone shows as they are."""
     lines = []
     for table, found in _by_table().items():
         lines += ["", f"## `{_header(table)}`", "", tables_of()[table], ""]
-        lines += ["| name | type | unit | range | default | meaning |", "|---|---|---|---|---|---|"]
         for entry in found:
-            absent = "must be given" if entry.default is REQUIRED else "absent"
-            default = f"`{written(entry.default)}`" if entry.given else absent
-            cells = (f"`{entry.name}`", entry.kind, entry.unit, entry.limits, default, entry.meaning)
-            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+            absent = "must be given" if entry.default is REQUIRED else "absent by default"
+            default = f"default `{written(entry.default)}`" if entry.given else absent
+            about = ", ".join(filter(None, (entry.kind, entry.unit, entry.limits, default)))
+            lines.append(
+                f"- **`{entry.name}`** ({about}): {entry.meaning}"
+                if entry.meaning
+                else f"- **`{entry.name}`** ({about})"
+            )
     return "\n".join(lines).strip() + "\n"
 
 

@@ -1,6 +1,6 @@
 """The side walls that a user gives."""
 
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
@@ -61,7 +61,7 @@ class Walls(Options):
             return f"smooth walls ({self.friction_angle_deg:g}°)"
         return f"walls {self.kind}" if self.own else "very rough walls"
 
-    def contact(self, friction_angle_deg: float | None = None):
+    def contact(self, friction_angle_deg: float | None = None) -> Any:
         """How they act on the sand, or another wall with a friction angle of its own [deg]."""
         if friction_angle_deg is None and self.own:
             return own_parts.made(own_parts.CONTACTS[self.kind], self.constants or {}, "walls.constants")

@@ -130,7 +130,8 @@ def fill_of(scene: Scene, section: Section, law: Law, density: float) -> dict[st
         "domain": np.broadcast_to([d, 0.0, 0.0, d], (count, 4)),
     }
     if law.REMEMBERS:  # the last strain is that of filling: vertical compression
-        state["intergranular"] = np.broadcast_to([0.0, -law.radius, 0.0, 0.0], (count, 4))
+        radius = law.radius  # type: ignore[attr-defined]
+        state["intergranular"] = np.broadcast_to([0.0, -radius, 0.0, 0.0], (count, 4))
     return state
 
 

@@ -63,10 +63,14 @@ class ElementCurve:
             found.append(f"{one.name}: the computed curve is off (rms) in {', '.join(away) or 'nothing in common'}")
             here = self.scene.pressure_Pa
             if one.pressure_Pa is not None and abs(one.pressure_Pa - here) > PRESSURES_APART * here:
-                found.append(f"{one.name} was measured at {one.pressure_Pa / 1e3:g} kPa, computed is {here / 1e3:g} kPa")
+                found.append(
+                    f"{one.name} was measured at {one.pressure_Pa / 1e3:g} kPa, computed is {here / 1e3:g} kPa"
+                )
             if one.void_ratio is not None and abs(one.void_ratio - self.scene.sand.void_ratio) > 1e-3:
                 there = self.scene.sand.void_ratio
-                found.append(f"{one.name} begins at a void ratio of {one.void_ratio:.4g}, the computed one at {there:.4g}")
+                found.append(
+                    f"{one.name} begins at a void ratio of {one.void_ratio:.4g}, the computed one at {there:.4g}"
+                )
         return found
 
     def figure(self) -> Figure:

@@ -3,7 +3,7 @@
 import base64
 import sys
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -26,7 +26,7 @@ def spatial(vectors: np.ndarray) -> np.ndarray:
 
 def write(
     file: Path, places: np.ndarray, arrays: dict[str, np.ndarray], units: dict[str, str] | None = None,
-    components: dict[str, Sequence[str]] | None = None,
+    components: Mapping[str, Sequence[str]] | None = None,
 ) -> None:  # fmt: skip
     """Write points at places (n, 3) [m] as vertices; the file appears when it is complete.
 

@@ -93,7 +93,9 @@ def test_a_contact_of_one_s_own_carries_what_sinks_with_its_friction_angle(files
 
 def test_a_field_of_one_s_own_is_drawn_and_exported(files, run, tmp_path):
     words = ("render", run.folder, "--field", "sinking", "--frame", "2", "--size", "320x180", "--quiet")
-    line = app.plugins_first([*map(str, words), "--output", str(tmp_path / "a.png"), f"--plugin={files / 'sinking.py'}"])
+    line = app.plugins_first(
+        [*map(str, words), "--output", str(tmp_path / "a.png"), f"--plugin={files / 'sinking.py'}"]
+    )
     app.make()(line, standalone_mode=False)
     assert (tmp_path / "a.png").stat().st_size > 1000
     ts.export(run, tmp_path / "csv", kind="csv")

@@ -143,7 +143,9 @@ def test_the_lines_of_a_silo_with_an_outlet_and_an_insert_leave_the_opening_free
     scene = made_up.scene(silo=Silo(outlet=Outlet(width_m=0.08), inserts=(roof,)))
     corners, lines, wall = outline.wall_lines(scene, 0.02)
     floor = corners[lines[wall == outline.FLOOR]]
-    assert floor[..., 0].tolist() == [pytest.approx([0.0, 0.06]), pytest.approx([0.14, 0.2])] and not floor[..., 1].any()
+    assert (
+        floor[..., 0].tolist() == [pytest.approx([0.0, 0.06]), pytest.approx([0.14, 0.2])] and not floor[..., 1].any()
+    )
     around = corners[lines[wall == outline.FIRST_INSERT]]
     assert (around[:, 1] == np.roll(around[:, 0], -1, axis=0)).all()  # closed
 

@@ -31,7 +31,7 @@ def walls_beside(target: Path) -> Path:
     return target.with_name(f"{target.stem}_walls{target.suffix}")
 
 
-def write(run: Result, target: Path, seen: Callable[[], object] = lambda: None) -> int:
+def write(run: Result, target: Path, seen: Callable[[], None] = lambda: None) -> int:
     """Write all states of a run into a file, and the walls into another; each is there when it is complete, or not.
 
     `seen` hears of each state that is written; returns their number.

@@ -24,7 +24,7 @@ class Format(NamedTuple):
 
     """
 
-    write: Callable[[Result, Path, Callable[[], object]], int]
+    write: Callable[[Result, Path, Callable[[], None]], int]
     name: str
     beside: Callable[[Path], Path] | None = None
 
@@ -72,8 +72,8 @@ def export(
     ----------
     run : a `Result`, or its folder.
     file : the file, or the folder of tables; silo.vtkhdf, csv or wall-loads in the run's folder if absent.
-    kind : "vtkhdf" (one file with time, for ParaView 5.12 and later), "csv" (a table a state) or "wall-loads" (pressures
-        on the walls, as tables and for Abaqus).
+    kind : "vtkhdf" (points and walls with time, for ParaView 5.12 and later), "csv" (a table a state) or "wall-loads"
+        (pressures on the walls, as tables and for Abaqus).
     overwrite : replace an export that is there.
     tracked : what the numbers of the states are passed through as they are written, such as a progress bar (`tqdm`).
 
@@ -106,10 +106,14 @@ def export(
     no_link(*(one.with_name(f"{one.name}{end}") for one in written for end in ("", ".part")), *wanted.files(target))
     writable(target.parent)
     steps = iter(tracked(range(len(found.snapshots))))
+
+    def seen() -> None:
+        next(steps, None)
+
     try:
         with as_left(found.folder):
             next(steps, None)
-            count = wanted.write(found, target, lambda: next(steps, None))
+            count = wanted.write(found, target, seen)
         for _ in steps:
             continue  # a format with fewer parts than states
     except OSError as error:

@@ -91,8 +91,8 @@ def compare(
         raise BadInput(f"csv: {deep[0]} has depths, and the silos are not of one height; it must have height_m")
     measured = [one.above_bottom(max(surfaces)) for one in measured]
     if len(results) == 1 and not (janssen or measured):
-        theory, files = way("janssen"), Way("csv=[...]", "--csv FILE")
-        raise BadInput(f"runs: there is 1; it must be 2 or more, or one with {theory} or {files}", theory, files)
+        one, files = way("janssen"), Way("csv=[...]", "--csv FILE")
+        raise BadInput(f"runs: there is 1; it must be 2 or more, or one with {one} or {files}", one, files)
     with as_left(results[0].folder if len(results) == 1 else f"one of {len(results)}"):
         found = tables.differences(results)
         theory = tables.janssen(results) if janssen else None

@@ -118,14 +118,14 @@ KEPT = [  # what formulas may do
 ]
 OTHERS = {  # what is changed in the law: what is said of it
     ("@frozen\nclass", "class"): "Spring is no frozen dataclass; it must have @frozen",
-    ("modulus_Pa: float = 1e6", "modulus_Pa: str = '1e6'"): "Spring.modulus_Pa is of type <class 'str'>; constants must",
+    ("modulus_Pa: float = 1e6", "modulus_Pa: str = '1e6'"): "Spring.modulus_Pa is of type <class 'str'>; constants",
     ("    degree = 0.0\n", ""): "Spring has no degree; a law must have grain_density, rest_stress, degree",
     ("    grain_density: float = 2650.0\n", "    grain_density = 2650.0\n"): "Spring.grain_density is no constant",
     ("    @ti.func\n    def rate", "    def rate"): "Spring.rate is no formula; it must have @ti.func above it",
     ("def rate(self, stress, h,", "def rate(self, stress,"): "it must take self, stress, h, factors, D, d_bar",
     ("def rate(self, stress, h,", "def rate(self, stress, h: ti.f64,"): "the parameter h has a type; it must have none",
     ("    def stiffness", "    def stiff"): "Spring has no formula stiffness; it must have factors, advanced_factors,",
-    ("return scaled(D, 2.0 * self.modulus_Pa)", "return trace(D)"): "Spring.rate returns a number; it must return a tuple",
+    ("return scaled(D, 2.0 * self.modulus_Pa)", "return trace(D)"): "Spring.rate returns a number; it must return a",
     ("return (0.0 * void_ratio,)", "return (1.0,)"): "returns the plain number 1.0; it must be 1.0 + 0.0 * a parameter",
     ("return (0.0 * void_ratio,)", "y = void_ratio"): "has no result; its last line must be a return",
     ("\nimport math", "\nfrom __future__ import annotations\nimport math"): "has `from __future__ import annotations`",
@@ -172,7 +172,9 @@ def test_a_breach_is_said_in_one_sentence_with_its_line(law, body, tmp_path):
     assert BREACHES[body] in sentence
     if not sentence.startswith("endless"):
         line = int(re.match(r"Spring.stiffness, line (\d+): ", sentence)[1])
-        assert (tmp_path / "law.py").read_text().splitlines()[line - 1].strip() in body + "return 0.0 * x + 2.0 * self.modulus_Pa"
+        assert (tmp_path / "law.py").read_text().splitlines()[
+            line - 1
+        ].strip() in body + "return 0.0 * x + 2.0 * self.modulus_Pa"
 
 
 @pytest.mark.parametrize("body", KEPT)
