@@ -101,11 +101,7 @@ def markdown() -> str:
             absent = "must be given" if entry.default is REQUIRED else "absent by default"
             default = f"default `{written(entry.default)}`" if entry.given else absent
             about = ", ".join(filter(None, (entry.kind, entry.unit, entry.limits, default)))
-            lines.append(
-                f"- **`{entry.name}`** ({about}): {entry.meaning}"
-                if entry.meaning
-                else f"- **`{entry.name}`** ({about})"
-            )
+            lines.append(f"- **`{entry.name}`** ({about}): {entry.meaning}")
     return "\n".join(lines).strip() + "\n"
 
 

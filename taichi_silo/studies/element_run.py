@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from matplotlib.figure import Figure
 from pydantic import ValidationError
 
 from taichi_silo.errors import BadInput
@@ -73,8 +72,8 @@ class ElementCurve:
                 )
         return found
 
-    def figure(self) -> Figure:
-        """Stresses, friction angle and void ratio against strain; measured points over the curves."""
+    def figure(self) -> Any:
+        """A figure of matplotlib: stresses, friction angle, void ratio against strain, measured points over curves."""
         scene = self.scene
         title = f"{scene.test.replace('-', ' ').capitalize()}: {scene.sand.name.capitalize()} sand, "
         title += f"$e_0$ = {scene.sand.void_ratio:.2f}, {scene.pressure_Pa / 1e3:g} kPa"
