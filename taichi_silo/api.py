@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from taichi_silo.errors import BadInput
 from taichi_silo.runs import film_states, session
-from taichi_silo.runs.observers import Observer
+from taichi_silo.runs.observers import REGISTERED, Observer
 from taichi_silo.runs.observers.film_recorder import FilmEnds, FilmRecorder
 from taichi_silo.runs.observers.progress import ProgressLine
 from taichi_silo.runs.result import Result
@@ -16,6 +16,7 @@ from taichi_silo.scene.sands import sand as named_sand
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene, scene_of
 from taichi_silo.show.run_end import draw_figures, draw_film
+from taichi_silo.utils import plugin_files
 from taichi_silo.utils.bounded_reading import place
 from taichi_silo.utils.messages import shown
 from taichi_silo.utils.schema import one_sentence
@@ -48,11 +49,13 @@ def _drawing(figures: bool) -> tuple[session.Draw, ...]:
 
 
 def _observers(film: Observer, extra: tuple, progress: bool) -> tuple[Observer, ...]:
-    """The observers beside those of every run: of the film, those that were given, the progress line."""
+    """The observers beside those of every run: of the film, of plugins, those that were given, the progress line."""
+    plugin_files.installed()
     for one in extra:
         if not isinstance(one, Observer):
             raise BadInput(f"extra is {shown(one)}; it must be observers, see taichi_silo.runs.observers.Observer")
-    return (film, *extra, *((ProgressLine(),) if progress else ()))
+    registered = (kind() for kind in REGISTERED.values())
+    return (film, *registered, *extra, *((ProgressLine(),) if progress else ()))
 
 
 def run(

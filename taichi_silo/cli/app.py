@@ -1,11 +1,16 @@
 """The program `taichi-silo`."""
 
 import importlib
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
 
 import typer
 
 from taichi_silo.cli.command_line import serve
 
+PLUGIN = "--plugin"
 COMMANDS = (
     "run",
     "resume",
@@ -31,15 +36,51 @@ def make() -> typer.Typer:
         name="taichi-silo", no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode="markdown",
         help="Sand flowing in silos: wall pressures, flow pattern, films of the shear zones. All units are SI.",
     )  # fmt: skip
+    app.callback()(plugged)
     for name in COMMANDS:
         module = importlib.import_module(f"taichi_silo.cli.commands.{name}")
         app.command(name, **getattr(module, "OPTIONS", {}))(getattr(module, "command", None) or getattr(module, name))
     return app
 
 
+def plugged(
+    plugin: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE.py", help="run this file, which registers a law, a contact, a field or an observer of your "
+            "own; anywhere in the line, repeatable",
+        ),
+    ] = None,
+) -> None:  # fmt: skip
+    """Take in the plugins before any command."""
+    if plugin:
+        from taichi_silo.runs.plugins import load_plugin  # with it comes Taichi
+
+        for file in plugin:
+            load_plugin(file)
+
+
+def plugins_first(words: Sequence[str]) -> list[str]:
+    """The words of a command line, with what stands for plugins before the command.
+
+    >>> plugins_first(["run", "silo.toml", "--plugin", "law.py", "--quiet"])
+    ['--plugin', 'law.py', 'run', 'silo.toml', '--quiet']
+    """
+    first: list[str] = []
+    rest: list[str] = []
+    waiting = False
+    for word in words:
+        if waiting or word == PLUGIN or word.startswith(f"{PLUGIN}="):
+            first.append(word)
+        else:
+            rest.append(word)
+        waiting = word == PLUGIN
+    return first + rest
+
+
 def main() -> None:
     """Run the program."""
-    serve(make(), "taichi-silo")
+    serve(make(), "taichi-silo", plugins_first(sys.argv[1:]))
 
 
 if __name__ == "__main__":

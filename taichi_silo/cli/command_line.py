@@ -54,7 +54,7 @@ def serve(app: typer.Typer, name: str, arguments: Sequence[str] | None = None) -
     except USAGE_ERROR as error:  # an unknown flag, a flag without its value
         _stop(error.format_message().rstrip("."), BAD_INPUT)
     except BadInput as error:
-        _stop(str(error), BAD_INPUT)
+        _stop(error.on_command_line, BAD_INPUT)
     except MachineFailed as error:
         _stop(str(error), FAILED)
     except RunFailed as error:

@@ -45,6 +45,10 @@ class Law(Protocol):
         """Isotropic pressure of unloaded material [Pa]."""
 
     @property
+    def degree(self) -> float:
+        """Of the rate as a homogeneous function of the stress."""
+
+    @property
     def REMEMBERS(self) -> bool:
         """Whether points carry intergranular strain."""
 

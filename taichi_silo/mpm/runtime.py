@@ -12,6 +12,7 @@ import tempfile
 import weakref
 from pathlib import Path
 
+from taichi_silo.errors import way
 from taichi_silo.mpm import graphics_cards
 from taichi_silo.mpm.language import NAME, ti
 
@@ -21,6 +22,7 @@ if PRECISION not in ("f64", "f32", "mixed"):
 real = ti.f64 if PRECISION == "f64" else ti.f32
 real_place = ti.f32 if PRECISION == "f32" else ti.f64
 CACHE_BYTES = 1 << 30  # of compiled kernels that are kept; a tenth, which is usual, holds those of a few scenes
+ON_CPU = way("arch", "cpu")
 ARCHITECTURES = ("cpu", "cuda", "vulkan")
 DRIVERS = "the driver of a graphics card, or Mesa's software driver (mesa-vulkan-drivers and libvulkan1 on Debian)"
 _arrays: list[weakref.ref] = []  # what `array` has made under the running Taichi
@@ -54,7 +56,7 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
     with contextlib.redirect_stdout(io.StringIO()):
         if arch == "cuda":
             if not has_cuda():
-                raise ArchitectureError("arch is 'cuda' but this machine has no CUDA device; use --arch cpu")
+                raise ArchitectureError(f"arch is 'cuda' but this machine has no CUDA device; use {ON_CPU}")
             ti.init(arch=ti.cuda, **options)
         elif arch == "vulkan":
             ti._lib.core.set_vulkan_visible_device(str(vulkan_card().number))
@@ -69,7 +71,7 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
             ti.init(arch=ti.cpu, cpu_max_num_threads=threads, **options)
 
 
-NO_VULKAN = f"no Vulkan device answers; install {DRIVERS}, or use --arch cpu"
+NO_VULKAN = f"no Vulkan device answers; install {DRIVERS}, or use {ON_CPU}"
 
 
 def vulkan_card() -> graphics_cards.Card:
@@ -85,7 +87,7 @@ def vulkan_card() -> graphics_cards.Card:
         names = ", ".join(card.name for card in cards)
         raise ArchitectureError(
             f"arch is 'vulkan' but {names} computes in f32 only (no shaderFloat64), in which slow sand stands still; "
-            "use --arch cpu"
+            f"use {ON_CPU}"
         )
     return card
 

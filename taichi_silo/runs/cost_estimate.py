@@ -96,7 +96,7 @@ def steps(scene: Scene) -> int:
 
     whole = filling.duration(scene, period)
     rows = math.ceil(whole / interval)
-    loaded = FILLED[scene.walls.kind] * c
+    loaded = FILLED.get(scene.walls.kind, FILLED["very-rough"]) * c
     growing = [loaded * filling.grown((row + 1) / rows) ** (0.5 * law.degree) for row in range(1, rows)]
     unstressed = wave_speed(
         law, (-law.rest_stress, -2.0 * law.rest_stress, -law.rest_stress, 0.0), scene.sand.void_ratio
@@ -112,7 +112,7 @@ def steps(scene: Scene) -> int:
 
 def _sharpness(scene: Scene) -> float:
     """Greatest wave speed in flow, over that at half the height."""
-    found = FLOWING[scene.walls.kind]
+    found = FLOWING.get(scene.walls.kind, FLOWING["very-rough"])
     if scene.walls.kind == "smooth":
         return found
     across = scene.silo.width_m / scene.grid.cell_size_m

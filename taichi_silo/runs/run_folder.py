@@ -12,13 +12,13 @@ from pathlib import Path
 
 import tomli_w
 
-from taichi_silo.errors import BadInput
+from taichi_silo.errors import BadInput, Way, way
 from taichi_silo.mpm import language
 from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.scene.symmetry import half_model
-from taichi_silo.utils import atomic_write, bounded_reading
+from taichi_silo.utils import atomic_write, bounded_reading, plugin_files
 from taichi_silo.utils.messages import shown
 
 CHECKPOINT = "checkpoint.npz"  # from which it goes on
@@ -29,8 +29,14 @@ PRODUCTS = (
     "checkpoint*.npz", "curve.csv", "points.npz", "points.vtu", "scene.json", "figures/*.png", "snapshots/*.vtu",
     "snapshots/index.csv", "snapshots/silo.pvd",
     *(f"{field}{ending}" for field in FIELDS for ending in (".mp4", ".*.mp4", "_*.png")),  # films and pictures
-    "silo.vtkhdf", "csv/*.csv", "wall-loads/*.*", "report.html",
+    "silo.vtkhdf", "silo_walls.vtkhdf", "csv/*.csv", "wall-loads/*.*", "report.html",
 )  # fmt: skip
+
+
+def products() -> tuple[str, ...]:
+    """Patterns of all files that a run or what shows it leaves in its folder."""
+    pictures = (f"{field}{ending}" for field in FIELDS for ending in (".mp4", ".*.mp4", "_*.png"))
+    return (*PRODUCTS, *pictures)
 
 
 def writable(folder: Path) -> Path:
@@ -143,10 +149,10 @@ def free(folder: Path, overwrite: bool = False) -> Path:
     """
     folder = own(folder)
     if (folder / MADE).exists() and not overwrite:
-        further = "" if finished(folder) or not (folder / CHECKPOINT).exists() else f", or `{go_on(folder)}`"
-        raise BadInput(
-            f"output {folder} holds a run already; give another folder, or --overwrite to replace it{further}"
-        )
+        anew, on = way("overwrite"), Way(f"ts.resume({str(folder)!r})", go_on(folder))
+        further = "" if finished(folder) or not (folder / CHECKPOINT).exists() else f", or `{on}`"
+        words = f"output {folder} holds a run already; give another folder, or {anew} to replace it{further}"
+        raise BadInput(words, anew, on)
     return folder
 
 
@@ -161,7 +167,7 @@ def claim(folder: Path, overwrite: bool = False) -> Path:
     """
     folder = free(folder, overwrite)
     try:
-        for pattern in PRODUCTS:
+        for pattern in products():
             for old in folder.glob(pattern):
                 old.unlink()
     except OSError as error:
@@ -258,6 +264,7 @@ def write_tables(folder: Path, tables: dict, program: dict) -> None:
         language.NAME: version(language.NAME),
         "python": platform.python_version(),
         "precision": "f64",
+        **({"plugins": plugins} if (plugins := plugin_files.loaded()) else {}),
         **program,
     }
     with atomic_write.written(folder / MADE) as passing:

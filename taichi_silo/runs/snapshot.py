@@ -13,6 +13,18 @@ BETWEEN = "film_"  # how the names of snapshots begin that stand between those o
 SHOWN, SHOWN_OF_FREE = (0.1, 0.25, 0.5, 1.0), (0.02, 0.1, 0.3, 1.0)
 
 
+UNITS = {  # of arrays that do not end with it; a number without one has 1
+    "velocity": "m/s", "Pa": "Pa", "m2_per_m": "m2/m", "kg_per_m": "kg/m", "mm_per_s": "mm/s", "deg": "deg",
+}  # fmt: skip
+COMPONENTS = {"velocity": ("x", "y", "z"), "stress_Pa": ("xx", "yy", "zz", "xy")}
+
+
+def unit_of(name: str) -> str:
+    """The unit of an array: of its name's end, or known here."""
+    found = (unit for end, unit in UNITS.items() if name == end or name.endswith(f"_{end}"))
+    return next(found, "1")
+
+
 def shown_displacements(flow: Flow) -> list[float]:
     """Displacements [m] of the bottom, after 0, at which figures show the state of a run."""
     shares = SHOWN_OF_FREE if flow.outflow == "gravity" else SHOWN
@@ -48,7 +60,8 @@ def write(file: Path, points: dict[str, np.ndarray]) -> None:
     sound = np.all([np.isfinite(values).all(axis=tuple(range(1, values.ndim))) for values in points.values()], axis=0)
     if not sound.all():
         points = {name: values[sound] for name, values in points.items()}
-    vtu.write(file, vtu.spatial(points["position"]), stored(points))
+    arrays = stored(points)
+    vtu.write(file, vtu.spatial(points["position"]), arrays, {name: unit_of(name) for name in arrays}, COMPONENTS)
 
 
 def read(file: Path) -> dict[str, np.ndarray]:

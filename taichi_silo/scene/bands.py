@@ -11,8 +11,8 @@ from pydantic import Field, model_validator
 from taichi_silo.utils.schema import Options
 
 if TYPE_CHECKING:
-    from taichi_silo.scene.scene import Walls
     from taichi_silo.scene.silo import Silo
+    from taichi_silo.scene.walls import Walls
 
 MOST_BANDS = 50
 VERY_ROUGH = -1.0  # in place of a friction coefficient: no slip

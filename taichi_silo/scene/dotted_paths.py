@@ -50,6 +50,8 @@ def annotation(path: str) -> Any:
         many, table = typing.get_origin(kind) is tuple, table_in(kind)
         if is_number(name):
             kind = table if many or _may_be_several(kind) else None
+        elif float in (found := numbers_by_name(kind)):
+            kind = found[1]
         else:
             field = table.model_fields.get(name) if table is not None and not many else None
             kind = None if field is None else field.annotation
@@ -61,6 +63,12 @@ def annotation(path: str) -> Any:
 def _may_be_several(kind: Any) -> bool:
     """Whether a field takes an array of tables beside a single one."""
     return typing.get_origin(kind) is tuple or any(map(_may_be_several, typing.get_args(kind)))
+
+
+def numbers_by_name(kind: Any) -> tuple:
+    """Types of names and values of a dictionary of numbers, alone or beside None; empty if it is none."""
+    parts = (kind, *typing.get_args(kind))
+    return next((typing.get_args(one) for one in parts if typing.get_origin(one) is dict), ())
 
 
 def known(path: str) -> bool:

@@ -93,16 +93,15 @@ def template() -> str:
 
 
 def markdown() -> str:
-    """Every value of a scene file, table after table, in Markdown."""
+    """Every value of a scene file, table after table, in Markdown: lists, which a phone shows as they are."""
     lines = []
     for table, found in _by_table().items():
         lines += ["", f"## `{_header(table)}`", "", tables_of()[table], ""]
-        lines += ["| name | type | unit | range | default | meaning |", "|---|---|---|---|---|---|"]
         for entry in found:
-            absent = "must be given" if entry.default is REQUIRED else "absent"
-            default = f"`{written(entry.default)}`" if entry.given else absent
-            cells = (f"`{entry.name}`", entry.kind, entry.unit, entry.limits, default, entry.meaning)
-            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+            absent = "must be given" if entry.default is REQUIRED else "absent by default"
+            default = f"default `{written(entry.default)}`" if entry.given else absent
+            about = ", ".join(filter(None, (entry.kind, entry.unit, entry.limits, default)))
+            lines.append(f"- **`{entry.name}`** ({about}): {entry.meaning}")
     return "\n".join(lines).strip() + "\n"
 
 
@@ -140,6 +139,8 @@ def _kind(annotation: Any) -> str:
         return " | ".join(map(_kind, arguments))
     if origin is tuple:
         return "list of pairs of numbers" if typing.get_origin(arguments[0]) is tuple else "list"
+    if origin is dict:
+        return "table of numbers"
     if origin is typing.Annotated:
         return _kind(arguments[0])
     return WORDS[annotation.__name__]

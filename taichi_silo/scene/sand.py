@@ -1,10 +1,13 @@
 """The sand that a user gives."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from taichi_silo.mpm import own_parts
+from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
+from taichi_silo.scene.own_part import need_name
 from taichi_silo.utils.messages import shown
 from taichi_silo.utils.schema import Options
 
@@ -28,15 +31,20 @@ class IntergranularStrain(Options):
 class Sand(Options):
     """Gudehus-Bauer constants; the defaults are the paper's Karlsruhe sand."""
 
+    LAWS: ClassVar = ("auto", "gudehus-bauer", "intergranular")
+
     name: str = Field(
         "karlsruhe",
         max_length=100,
         description="the name of a published sand stands for all constants that are not given",
     )
     void_ratio: float = Field(0.60, description="initial void ratio, between e_d0 and e_i0")
-    law: Literal["auto", "gudehus-bauer", "intergranular"] = Field(
-        "auto", description="law; intergranular is the one with memory, which auto takes where strain turns back"
+    law: Literal["auto", "gudehus-bauer", "intergranular"] | str = Field(
+        "auto",
+        description="law; intergranular is the one with memory, which auto takes where strain turns back; or one that "
+        "a plugin registers",
     )
+    constants: dict[str, float] | None = Field(None, description="of a law that a plugin registers, by their names")
     critical_friction_angle_deg: float = Field(30.0, ge=5, le=85, description="phi_c")
     granular_hardness_Pa: float = Field(190e6, ge=1e5, le=1e12, description="h_s")
     n: float = Field(0.5, ge=0.01, le=0.99, description="exponent of compression")
@@ -55,6 +63,19 @@ class Sand(Options):
         if not value.isprintable():
             raise ValueError(f"sand.name is {shown(value)}; it must be letters and signs that can be printed")
         return value
+
+    @field_validator("law", mode="before")
+    @classmethod
+    def _known(cls, given):
+        return need_name("law", given, cls.LAWS, own_parts.LAWS, "a law")
+
+    @model_validator(mode="after")
+    def _own(self):
+        if self.law in self.LAWS and self.constants:
+            raise ValueError(f"sand.constants are those of a registered law; the law is {self.law}")
+        if self.law not in self.LAWS:
+            self._made(self.grain_density_kg_per_m3)
+        return self
 
     @model_validator(mode="after")
     def _ordered(self):
@@ -83,12 +104,21 @@ class Sand(Options):
             return self.law
         return "intergranular" if turns_back else "gudehus-bauer"
 
-    def constitutive_law(self, mass_scaling: float = 1.0, turns_back: bool = False) -> GudehusBauer | Intergranular:
+    def constitutive_law(self, mass_scaling: float = 1.0, turns_back: bool = False) -> Law:
         """The constitutive law with these constants, the grains' density times a factor."""
+        if self.law not in self.LAWS:
+            return self._made(mass_scaling * self.grain_density_kg_per_m3)
         skeleton = self.skeleton(mass_scaling)
         if self.law_for(turns_back) == "gudehus-bauer":
             return skeleton
         return Intergranular(skeleton=skeleton, **self.intergranular.model_dump())
+
+    def _made(self, grain_density: float) -> Law:
+        """The registered law."""
+        kind, constants = own_parts.LAWS[self.law], self.constants or {}
+        law = own_parts.made(kind, constants, "sand.constants", grain_density=grain_density)
+        own_parts.check_constants(kind, (*constants.items(), ("grain_density", grain_density)))
+        return law
 
     def check_at(self, pressure_Pa: float, name: str = "void ratio") -> None:
         """Refuse a void ratio that this sand cannot have at an isotropic pressure."""

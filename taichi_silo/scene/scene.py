@@ -12,10 +12,9 @@ from pydantic import Field, field_validator, model_validator
 
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
-from taichi_silo.mpm.laws import GudehusBauer, Intergranular
+from taichi_silo.mpm.contracts import Law
 from taichi_silo.scene import bands
 from taichi_silo.scene.averaging import Averaging
-from taichi_silo.scene.bands import MOST_BANDS, Band
 from taichi_silo.scene.eurocode import Eurocode
 from taichi_silo.scene.flow import Flow
 from taichi_silo.scene.mesh import Mesh
@@ -23,6 +22,7 @@ from taichi_silo.scene.method_options import MethodOptions
 from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.silo import Silo
 from taichi_silo.scene.symmetry import half_model
+from taichi_silo.scene.walls import Walls
 from taichi_silo.utils.messages import shown
 from taichi_silo.utils.schema import Options
 
@@ -35,33 +35,6 @@ POINTS_OF_A_THREAD, MOST_THREADS = 1000, 16  # fewer points wait longer for each
 def cores() -> int:
     """Processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-class Walls(Options):
-    """Side walls; the bottom plate is smooth unless told otherwise."""
-
-    kind: Literal["smooth", "very-rough"] = Field(
-        "very-rough", description="walls with Coulomb friction, or so rough that sand does not slip on them"
-    )
-    friction_angle_deg: float | None = Field(
-        None, ge=0, lt=90, description="between sand and smooth walls, which need it"
-    )
-    bottom_friction_angle_deg: float = Field(0.0, ge=0, lt=90, description="of the bottom plate or floor, against sand")
-    bands: tuple[Band, ...] = Field((), max_length=MOST_BANDS)
-
-    @model_validator(mode="after")
-    def _friction(self):
-        if self.kind == "very-rough" and self.friction_angle_deg is not None:
-            raise ValueError(
-                f"wall friction angle is {self.friction_angle_deg}; very rough walls have none (no slip there), "
-                "only smooth walls take one"
-            )
-        if self.kind == "smooth" and self.friction_angle_deg is None:
-            raise ValueError(
-                "walls.friction_angle_deg is not given; smooth walls need the friction angle between sand and wall "
-                "[deg]; the paper's model silo has 19 for dense and 12.3 for loose sand"
-            )
-        return self
 
 
 class Filling(Options):
@@ -142,7 +115,7 @@ class Machine(Options):
         try:
             runtime.init(self.arch, self.threads)
         except runtime.ArchitectureError as error:
-            raise BadInput(str(error)) from error
+            raise BadInput(str(error), runtime.ON_CPU) from error
 
 
 class Scene(Options):
@@ -185,6 +158,7 @@ class Scene(Options):
             raise ValueError(f"walls are {self.walls.kind}; in an average with rigid walls they must be very rough")
         bands.check(self.walls, self.silo)
         half_model(self)
+        self._check_contact()
         self._check_outflow()
         self.eurocode.check(self.silo)
         return self
@@ -195,6 +169,16 @@ class Scene(Options):
             threads = max(1, min(MOST_THREADS, cores(), self.points // POINTS_OF_A_THREAD))
             object.__setattr__(self, "machine", self.machine.model_copy(update={"threads": threads}))
         return self
+
+    def _check_contact(self) -> None:
+        silo = self.silo
+        inclined = [name for name, there in (("a hopper", silo.hopper), ("inserts", silo.inserts)) if there]
+        inclined += ["inclined walls"] if any(silo.feet_m) and not silo.hopper else []
+        if self.walls.own and inclined:
+            raise ValueError(
+                f"walls are {self.walls.kind}; a registered contact acts on vertical walls only, and this silo has "
+                f"{inclined[0]}"
+            )
 
     def _check_outflow(self) -> None:
         silo, flow = self.silo, self.flow
@@ -222,7 +206,7 @@ class Scene(Options):
             )
 
     @property
-    def law(self) -> GudehusBauer | Intergranular:
+    def law(self) -> Law:
         """The constitutive law of the sand in this scene."""
         return self.sand.constitutive_law(self.method.mass_scaling, self.flow.turns_back)
 

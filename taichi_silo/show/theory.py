@@ -16,17 +16,16 @@ def straight_m(run: Result) -> float:
 
 
 def wall_angle_deg(run: Result) -> float:
-    """Friction angle along the walls: the wall's own, or of critical simple shear at very rough walls.
+    """Friction angle along the walls: the wall's own, or of critical simple shear at walls that have none.
 
     Of walls with bands it is arctan(T / N) after Janssen.
     """
     if run.scene.walls.bands and straight_m(run):
         ratio = next(iter(pressure_ratios(run).values()))
         return janssen_of(run.scene, 0.0, ratio).wall_friction_angle_deg
-    if run.scene.walls.kind == "very-rough":
-        return critical_simple_shear_angle_deg(run.scene.sand.critical_friction_angle_deg)
-    assert run.scene.walls.friction_angle_deg is not None  # smooth walls have one
-    return run.scene.walls.friction_angle_deg
+    if run.scene.walls.friction_angle_deg is not None:
+        return run.scene.walls.friction_angle_deg
+    return critical_simple_shear_angle_deg(run.scene.sand.critical_friction_angle_deg)
 
 
 def pressure_ratios(run: Result) -> dict[str, float]:

@@ -1,7 +1,6 @@
 """A run in one line: which sand, which walls, and what is special."""
 
 from taichi_silo.runs.result import Result
-from taichi_silo.scene import bands
 from taichi_silo.scene.sand import Sand
 
 
@@ -14,10 +13,7 @@ def title(run: Result, symbol: str = "$e_0$") -> str:
     """Sand, walls, and what else a run is told by, such as an outlet."""
     scene = run.scene
     words = [sand_title(scene.sand, symbol)]
-    smooth = scene.walls.kind == "smooth"
-    words.append(f"smooth walls ({scene.walls.friction_angle_deg:g}°)" if smooth else "very rough walls")
-    if banded := bands.words(scene.walls):
-        words.append(f"with {banded}")
+    words.append(scene.walls.words)
     if special := scene.silo.words():
         words.append(special)
     if run.free:

@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 
-from taichi_silo.mpm.contracts import Wall
+from taichi_silo.mpm.contracts import Law, Wall
 from taichi_silo.mpm.frozen import replaced
 from taichi_silo.mpm.grid import MARGIN, Grid
-from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import NonLocal, Weight
@@ -122,7 +121,7 @@ def grid_of(scene: Scene, section: Section, copies: int) -> Grid:
     return Grid(section.width, rows_of_cells(scene) * h, h, copies=copies, follows=follows, open_sides=beside)
 
 
-def fill_of(scene: Scene, section: Section, law: GudehusBauer | Intergranular, density: float) -> dict[str, np.ndarray]:
+def fill_of(scene: Scene, section: Section, law: Law, density: float) -> dict[str, np.ndarray]:
     """Fields of the points of the full silo, row after row from the floor, without stress."""
     d = scene.spacing_m
     x, y, volume = scene.silo.lattice(d)
@@ -138,8 +137,9 @@ def fill_of(scene: Scene, section: Section, law: GudehusBauer | Intergranular, d
         "path": np.broadcast_to(0.0, count),
         "domain": np.broadcast_to([d, 0.0, 0.0, d], (count, 4)),
     }
-    if isinstance(law, Intergranular):  # the last strain is that of filling: vertical compression
-        state["intergranular"] = np.broadcast_to([0.0, -law.radius, 0.0, 0.0], (count, 4))
+    if law.REMEMBERS:  # the last strain is that of filling: vertical compression
+        radius = law.radius  # type: ignore[attr-defined]
+        state["intergranular"] = np.broadcast_to([0.0, -radius, 0.0, 0.0], (count, 4))
     return state
 
 
@@ -156,12 +156,6 @@ def averaging_of(
     )  # fmt: skip
 
 
-def side_contact(scene: Scene, friction_angle_deg: float | None = None) -> Coulomb | NoSlip:
-    """Contact of the side walls, or of another wall with an angle of its own."""
-    angle = scene.walls.friction_angle_deg if friction_angle_deg is None else friction_angle_deg
-    return NoSlip() if angle is None else Coulomb(angle)  # very rough walls have no angle
-
-
 def openings_of(scene: Scene, section: Section) -> tuple[Opening, ...]:
     """Where sand leaves, in the frame of the grid; none where the whole floor sinks."""
     return () if scene.silo.floor_is_outlet else tuple(one.shifted(section.shift) for one in scene.silo.openings)
@@ -172,7 +166,7 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[tuple[Wall, ..
 
     Of several outlets, or one of a side wall or that opens later, edges and gate of each, and what moves them.
     """
-    silo, h, side = scene.silo, scene.grid.cell_size_m, side_contact(scene)
+    silo, h, side = scene.silo, scene.grid.cell_size_m, scene.walls.contact()
     low = tuple(MARGIN + math.ceil(foot / h - 1e-9) if foot else 0 for foot in silo.feet_m)
     left, right = grid.node_along(0.0), grid.node_along(section.width)
     axis = Frictionless()
@@ -230,7 +224,7 @@ def surfaces_of(scene: Scene, section: Section) -> tuple[Surface, ...]:
     """Walls of a hopper or an outline that do not follow the grid, and inserts."""
     silo, h = scene.silo, scene.grid.cell_size_m
     angle = None if silo.hopper is None else silo.hopper.friction_angle_deg
-    contact, found = side_contact(scene, angle), []
+    contact, found = scene.walls.contact(angle), []
     for name, side, wall in zip(("left", "right"), silo.sides, (0.0, silo.width_m), strict=True):
         foot = polygons.foot(side, wall)
         if foot == 0.0 or (name == "left" and section.round):
@@ -243,7 +237,7 @@ def surfaces_of(scene: Scene, section: Section) -> tuple[Surface, ...]:
         found.append(surface if angle is not None else of_surface(surface, name, scene.walls))
     for number, insert in enumerate(silo.inserts):
         outline = touching.free_outline(silo, insert)[::-1]
-        own = side_contact(scene, insert.friction_angle_deg)
+        own = scene.walls.contact(insert.friction_angle_deg)
         found.append(Surface(f"insert_{number + 1}", _line([outline], section), own))
     return tuple(found)
 

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from taichi_silo.mpm.contracts import Shape, Wall
+from taichi_silo.mpm.contracts import Law, Shape, Wall
 from taichi_silo.mpm.filters import FILTERS
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
-from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.mpm.mirrored_solver import MirroredSolver
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import NonLocal
@@ -51,7 +50,7 @@ class Model:
 
     scene: Scene
     section: Section
-    law: GudehusBauer | Intergranular
+    law: Law
     shape: Shape
     spacing: float
     density: float

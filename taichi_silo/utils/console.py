@@ -3,9 +3,9 @@
 import contextlib
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from taichi_silo.utils import streams
 
@@ -13,6 +13,7 @@ if TYPE_CHECKING:  # nothing is imported for a command that says nothing
     from rich.console import Console as RichConsole
     from rich.progress import Progress
 
+T = TypeVar("T")
 WIDE = 132  # columns of a table that goes to a file or another program
 
 
@@ -48,6 +49,14 @@ class Console:
             return
         with terminal.status(words) as line:
             yield line.update
+
+    def tracked(self, steps: Iterable[T], words: str) -> Iterable[T]:
+        """The steps of a work, with a progress bar while they are gone through."""
+        from rich.progress import track
+
+        terminal = self.terminal
+        silent = self.quiet or not terminal.is_terminal
+        return track(steps, words, console=terminal, transient=True, disable=silent)  # type: ignore[arg-type]
 
     def say(self, *lines: str) -> None:
         """Tell a person."""

@@ -3,6 +3,7 @@
 import base64
 import sys
 import zlib
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -15,7 +16,7 @@ KINDS = {"float64": "Float64", "float32": "Float32", "int64": "Int64", "int32": 
 MOST_POINTS, MOST_COMPONENTS = 100_000_000, 9
 LONGEST_START = 1000  # bytes, in which an XML file says what else it needs
 BLOCKS = ("Points", "PointData")
-VERTEX = 1  # VTK's number of a cell of one point
+VERTEX, LINE = 1, 3  # VTK's numbers of cells of one point and of two
 
 
 def spatial(vectors: np.ndarray) -> np.ndarray:
@@ -23,11 +24,22 @@ def spatial(vectors: np.ndarray) -> np.ndarray:
     return np.column_stack([vectors, np.zeros(len(vectors))])
 
 
-def write(file: Path, places: np.ndarray, arrays: dict[str, np.ndarray]) -> None:
-    """Write points at places (n, 3) [m] as vertices, with arrays (n,) or (n, components) by name, whose types stay.
+def write(
+    file: Path, places: np.ndarray, arrays: dict[str, np.ndarray], units: dict[str, str] | None = None,
+    components: Mapping[str, Sequence[str]] | None = None,
+) -> None:  # fmt: skip
+    """Write points at places (n, 3) [m] as vertices; the file appears when it is complete.
 
-    The file appears when it is complete.
+    Parameters
+    ----------
+    file : its path.
+    places : of the points.
+    arrays : (n,) or (n, components) by name, whose types stay.
+    units : of the arrays, by name, for VTK's key UNITS_LABEL.
+    components : names of their components, by name.
+
     """
+    units, components = {"Points": "m"} | (units or {}), components or {}
     count = len(places)
     index = np.arange(count, dtype=np.int32)
     cells: dict[str, np.ndarray] = {
@@ -47,21 +59,23 @@ def write(file: Path, places: np.ndarray, arrays: dict[str, np.ndarray]) -> None
         for block, found in blocks.items():
             stream.write(f"<{block}>")
             for name, values in found.items():
-                stream.write(_array(name, values))
+                stream.write(_array(name, values, units.get(name, ""), components.get(name, ())))
             stream.write(f"</{block}>\n")
         stream.write("</Piece></UnstructuredGrid>\n</VTKFile>\n")
 
 
-def _array(name: str, values: np.ndarray) -> str:
+def _array(name: str, values: np.ndarray, unit: str, parts: Sequence[str]) -> str:
     """A DataArray: its header (blocks, bytes of a block, of a last partial one, packed bytes) and its packed bytes."""
     values = np.ascontiguousarray(values)
     components = f' NumberOfComponents="{values.shape[1]}"' if values.ndim > 1 else ""
+    components += "".join(f' ComponentName{number}="{part}"' for number, part in enumerate(parts))
+    label = f'<InformationKey name="UNITS_LABEL" location="vtkDataArray">{unit}</InformationKey>' if unit else ""
     raw = values.tobytes()
     packed = zlib.compress(raw, LEVEL)
     header = np.array([1, len(raw), 0, len(packed)], np.uint32).tobytes()
     data = base64.b64encode(header) + base64.b64encode(packed)
     kind = KINDS[values.dtype.name]
-    return f'<DataArray type="{kind}" Name="{name}"{components} format="binary">{data.decode()}</DataArray>\n'
+    return f'<DataArray type="{kind}" Name="{name}"{components} format="binary">{data.decode()}{label}</DataArray>\n'
 
 
 def read(file: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:

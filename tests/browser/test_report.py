@@ -3,7 +3,7 @@
 import pytest
 
 from taichi_silo.scene.silo import Outlet, Silo
-from taichi_silo.show.report.page import write_report
+from taichi_silo.show.report import page as report_page
 
 
 @pytest.fixture(scope="module")
@@ -11,7 +11,7 @@ def report(small_run, tmp_path_factory):
     folder = small_run(
         tmp_path_factory.mktemp("browser") / "run", film=True, walls="very-rough", silo=Silo(outlet=Outlet(width_m=0.1))
     )
-    return write_report(folder)
+    return report_page.report(folder)
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 import functools
 import http.server
+import json
 import threading
 
 import pytest
@@ -107,6 +108,20 @@ def test_the_search_finds_a_word(browser, site, address, disk):
     assert any("silos.html" in link.get_attribute("href") for link in results.all())
     assert not trouble
     page.close()
+
+
+@pytest.mark.parametrize(
+    ("words", "page"),
+    [
+        ("wheat", "how-to/sand.html"), ("cement", "how-to/sand.html"), ("calibrate", "how-to/calibrate.html"),
+        ("6 m", "how-to/real-size.html"), ("notebook", "how-to/python.html"), ("ParaView", "how-to/paraview.html"),
+        ("plugin", "how-to/own-parts.html"), ("measured points", "validation/element-tests.html"),
+    ],
+)  # fmt: skip
+def test_the_words_that_people_use_stand_in_the_page_that_they_look_for(site, words, page):
+    index = json.loads((site / "search" / "search_index.json").read_text(encoding="utf-8"))["docs"]
+    texts = {one["location"]: f"{one['title']} {one['text']}".replace("\u00a0", " ").lower() for one in index}
+    assert any(place.split("#")[0] == page and words.lower() in text for place, text in texts.items())
 
 
 def test_what_is_wrong_would_be_noticed(browser, tmp_path):

@@ -13,6 +13,7 @@ from written import beside, blocks
 from taichi_silo import api
 from taichi_silo.cli import app, catalogue, command_line
 from taichi_silo.cli.commands.run import scene_file
+from taichi_silo.runs.plugins import load_plugin
 from taichi_silo.scene.scene import Scene
 
 LINES = [
@@ -32,6 +33,15 @@ def parse(command, words):
         pass
 
 
+def parted(words):
+    """The files of plugins, the command and the rest of a command line."""
+    ordered, files = app.plugins_first(words), []
+    while ordered[0] == app.PLUGIN:
+        files.append(ordered[1])
+        ordered = ordered[2:]
+    return files, ordered[0], ordered[1:]
+
+
 @pytest.fixture
 def wanted(monkeypatch):
     """Scenes that scenarios would have run."""
@@ -45,7 +55,9 @@ def wanted(monkeypatch):
 def test_a_command_line_is_one_that_the_program_takes(block, words, wanted, tmp_path, monkeypatch):
     beside(block, tmp_path)
     monkeypatch.chdir(tmp_path)
-    name, *rest = words
+    plugins, name, rest = parted(words)
+    for file in plugins:
+        load_plugin(file)
     assert name in app.COMMANDS
     if name != "run":
         parse(get_command(app.make()).commands[name], rest)

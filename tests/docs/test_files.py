@@ -6,6 +6,7 @@ import pytest
 from written import beside, blocks
 
 from taichi_silo.errors import BadInput
+from taichi_silo.runs.plugins import load_plugin
 from taichi_silo.scene import sands
 from taichi_silo.scene.scene_files import scene_of
 
@@ -17,6 +18,8 @@ def test_a_file_in_the_pages_is_possible(block, tmp_path):
     beside(block, tmp_path)
     file = tmp_path / block.title
     file.write_text(block.text, encoding="utf-8")
+    if block.page == "how-to/own-parts.md":
+        load_plugin(tmp_path / "my_parts.py")
     if block.title == "silo.toml":
         assert scene_of(tomllib.loads(block.text)).points > 0
     elif block.title == "sand.toml":

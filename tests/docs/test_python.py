@@ -15,7 +15,8 @@ from taichi_silo.runs.observers import Observer
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls
 from taichi_silo.scene.silo import Silo
 
-PAGES = sorted({block.page for block in blocks("python")} - {"how-to/mpm.md"})  # that one: test_mpm.py
+OWN = {"how-to/mpm.md", "how-to/own-parts.md"}  # pages with tests of their own
+PAGES = sorted({block.page for block in blocks("python")} - OWN)
 RESULTS = re.compile(r'Result\("([^"]+)"\)')
 PATHS = re.compile(r"`((?:\w+/)*\w+\.py)`((?:,? `\w+`)*)")
 SMALL = Scene(

@@ -51,6 +51,6 @@ def blocks(*kinds: str) -> list[Block]:
 
 def beside(block: Block, folder: Path) -> None:
     """Write the files that the blocks of a page stand for."""
-    for other in blocks("toml", "csv"):
+    for other in blocks("toml", "csv", "python"):
         if other.page == block.page and other.title:
             (folder / other.title).write_text(other.text, encoding="utf-8")

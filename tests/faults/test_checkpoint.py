@@ -176,8 +176,9 @@ def test_a_film_that_was_not_begun_is_refused(left):
 
 
 def test_a_run_that_was_left_is_neither_overwritten_unasked_nor_forgotten(left):
-    with pytest.raises(BadInput, match=rf"--overwrite to replace it, or `taichi-silo resume {left}`$"):
+    with pytest.raises(BadInput, match=rf"overwrite=True to replace it, or `ts.resume\('{left}'\)`$") as refused:
         run(SMALLEST, left)
+    assert refused.value.on_command_line.endswith(f"--overwrite to replace it, or `taichi-silo resume {left}`")
 
 
 # --- the command ------------------------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from taichi_silo.scene.scene import Walls
 from taichi_silo.show.figures.forces import curve
 from taichi_silo.studies.compare.measured import read
 from taichi_silo.studies.compare.tables import PROFILE, deviations, differences, janssen
-from taichi_silo.studies.compare.whole import compared, read_runs
+from taichi_silo.studies.compare.whole import compare, read_runs
 from tests import made_up
 
 PASCALS = 1000.0  # wall stress of a made-up run
@@ -191,7 +191,7 @@ def test_wall_stresses_are_read_as_users_bring_them(tmp_path, kind):
 
 def test_depths_are_heights_below_the_surface_of_the_silo(runs, tmp_path):
     file = table(tmp_path, "depth_m,normal_stress_kPa\n0.4,1.5\n0.3,1.5\n", "cells.csv")
-    found = compared(runs[:1], tmp_path / "out", janssen=False, csv=[file]).deviations
+    found = compare(runs[:1], tmp_path / "out", janssen=False, csv=[file]).deviations
     assert found.points.tolist() == [2, 2, 2]
     assert found.begin.tolist() == pytest.approx([0.1] * 3)
     assert found.rms.tolist() == pytest.approx([500.0] * 3)
@@ -308,11 +308,11 @@ def test_the_command_leaves_tables_and_figures_and_all_numbers_in_one_object(run
     for label, expected in (("smooth", 800.0), ("very-rough", 1200.0)):
         one = rows[(rows.run == label) & (rows.quantity == "wall normal N") & (rows.state == "residual")]
         assert one.value.tolist() == [expected]
-    compared(runs, output, janssen=False, csv=[])  # an earlier comparison is replaced as a whole
+    compare(runs, output, janssen=False, csv=[])  # an earlier comparison is replaced as a whole
     assert sorted(file.name for file in output.iterdir()) == names[:3]
 
 
-def test_what_cannot_be_compared_is_refused_before_anything_is_written(runs, tmp_path, said):
+def test_what_cannot_be_compare_is_refused_before_anything_is_written(runs, tmp_path, said):
     output = tmp_path / "out"
     curves = table(tmp_path, "displacement_mm,P_N_per_m\n1,2\n")
     times = table(tmp_path, "time_s,P_N_per_m\n1,2\n", "times.csv")

@@ -21,7 +21,7 @@ from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
 from taichi_silo.show import theory
 from taichi_silo.show.report.drawing import drawing
 from taichi_silo.show.report.key import key_numbers
-from taichi_silo.show.report.page import page, write_report
+from taichi_silo.show.report.page import page, report
 from taichi_silo.show.report.parameters import parameter_tables
 from taichi_silo.show.report.states import (
     discharge_rate_kg_per_s_m,
@@ -72,11 +72,11 @@ class Outline(HTMLParser):
 
 
 def outline(folder):
-    return Outline(write_report(folder).read_text(encoding="utf-8"))
+    return Outline(report(folder).read_text(encoding="utf-8"))
 
 
 def test_the_page_needs_no_other_file_and_holds_film_figures_and_drawing(run):
-    text = write_report(run).read_text(encoding="utf-8")
+    text = report(run).read_text(encoding="utf-8")
     found = Outline(text)
     assert all(address.startswith(("data:", "#")) for address in found.addresses)
     assert not re.search(r"url\(|@import|https?://", text)
@@ -230,7 +230,7 @@ def test_the_verdict_follows_the_certificate(copy):
 )
 def test_a_run_that_did_not_end_well_says_so_first(copy, change, words):
     changed_summary(copy, finished=False, **change)
-    text = write_report(copy).read_text(encoding="utf-8")
+    text = report(copy).read_text(encoding="utf-8")
     said = Outline(text).words
     assert all(one in said for one in ["The run did not come to its end", *words])
     assert said.index("This run") < said.index("Largest wall pressure")
@@ -278,7 +278,7 @@ def test_words_in_place_of_numbers_read_as_none(copy):
 
 def refused(folder, *words, output=None):
     with pytest.raises(BadInput) as caught:
-        write_report(folder, output)
+        report(folder, output)
     assert all(word in str(caught.value) for word in words), caught.value
 
 
@@ -297,7 +297,7 @@ def test_an_output_that_cannot_be_written_is_refused_and_leaves_nothing(copy, tm
     refused(copy, "a folder", output=tmp_path)
     (tmp_path / "file").write_text("")
     refused(copy, "cannot be written", output=tmp_path / "file" / "report.html")
-    assert write_report(copy, tmp_path / "new" / "page.html") == tmp_path / "new" / "page.html"
+    assert report(copy, tmp_path / "new" / "page.html") == tmp_path / "new" / "page.html"
     assert [file.name for file in (tmp_path / "new").iterdir()] == ["page.html"]
 
 

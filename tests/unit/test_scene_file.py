@@ -41,10 +41,11 @@ def test_an_empty_file_and_the_template_are_the_default_scene(read, text):
 def test_template_page_and_schema_show_every_value_with_what_it_is():
     lines = [line.lstrip("# ").split(" = ")[0] for line in reference.template().splitlines() if " = " in line]
     assert sorted(lines) == sorted(entry.name for entry in reference.entries())
+    assert "|---|" not in reference.markdown()  # a phone shows lists as they are, tables sideways
     page, schema = reference.markdown(), json.dumps(Scene.model_json_schema())
     for entry in reference.entries():
         assert entry.meaning and entry.kind, entry.path
-        assert f"| `{entry.name}` |" in page
+        assert f"- **`{entry.name}`** ({entry.kind}" in page
         assert f'"{entry.name}"' in schema
 
 

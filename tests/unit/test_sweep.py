@@ -315,7 +315,7 @@ def test_a_run_is_there_if_its_scene_is_the_wanted_one_on_any_machine_and_it_fin
     assert not left(tmp_path / "failed", scene, finished=False, failure="no sand").finished
     other = Run(changed(scene, {"flow.speed_m_per_s": 0.003}), run.folder)
     assert not other.finished and other.summary == {}
-    with pytest.raises(BadInput, match="holds another scene's run; give another folder, or --overwrite it"):
+    with pytest.raises(BadInput, match="holds another scene's run; give another folder, or overwrite=True"):
         other.check()
     run.check()
     Run(scene, tmp_path / "nothing").check()

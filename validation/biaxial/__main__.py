@@ -27,6 +27,7 @@ from taichi_silo.scene.scene import Averaging, Machine
 from validation.biaxial.run import leave, run_case, summary_of
 from validation.biaxial.scene import BiaxialScene
 from validation.biaxial.studies import STUDIES, cost, differences, draw_study, table_of
+from validation.biaxial.words import findings
 from validation.in_parallel import in_parallel
 
 
@@ -69,8 +70,9 @@ def plane_strain_compression(
         return run_studies(names, (output or Path("outputs/biaxial")).expanduser())
     folder = output if output else free_name(Path("outputs") / f"plane_strain_compression_e{void_ratio:.2f}")
     folder = leave(scene, folder, overwrite, say=True)
-    print(json.dumps(summary_of(folder), indent=2))
-    print(folder)
+    summary = summary_of(folder)
+    print(json.dumps(summary, indent=2))
+    print(*findings(summary, pd.read_csv(folder / "curve.csv")), folder, sep="\n")
     return None
 
 

@@ -53,7 +53,7 @@ def compare(
         taichi-silo compare outputs/rough --csv measured.csv
     """
     from taichi_silo.studies.compare import show
-    from taichi_silo.studies.compare.whole import compared
+    from taichi_silo.studies.compare.whole import compare as compared
 
     console = Console(quiet=quiet, as_json=json)
     found = compared(folders, output, janssen=janssen, csv=csv or [])

@@ -1,5 +1,6 @@
 """`taichi-silo export`."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -36,41 +37,10 @@ def command(
 
     taichi-silo export outputs/silo --format wall-loads
     """
-    from taichi_silo.errors import BadInput
-    from taichi_silo.runs.result import Result
-    from taichi_silo.runs.run_folder import no_link, writable
-    from taichi_silo.show.export import tables, vtkhdf, wall_loads
-    from taichi_silo.utils.bounded_reading import as_left, place
-    from taichi_silo.utils.machine_faults import of_file
+    from taichi_silo.show.export.whole import export
 
-    formats = {"vtkhdf": (vtkhdf.write, "silo.vtkhdf"), "csv": (tables.write, "csv")}
-    formats["wall-loads"] = (wall_loads.write, "wall-loads")
-    if kind not in formats:
-        raise BadInput(f"format is {kind}; it must be one of {', '.join(formats)}")
-    console, run = Console(quiet, json), Result(folder)
-    if kind != "wall-loads":
-        run.need_states()
-    elif not len(run.walls):
-        raise BadInput(
-            f"folder is {run.folder}; it must be that of a run with wall stresses, and its walls.csv has none"
-        )
-    write, name = formats[kind]
-    target = place(output, "output") if output else run.folder / name
-    there = any(target.glob("*")) if target.is_dir() else target.exists()
-    if there and not overwrite:
-        raise BadInput(f"output {target} is there already; give another name, or --overwrite to replace it")
-    if target.exists() and target.is_dir() != (kind != "vtkhdf"):
-        raise BadInput(f"output is {target}; it must be a {'file' if kind == 'vtkhdf' else 'folder'} for {kind}")
-    no_link(target, target.with_name(f"{target.name}.part"), *(target.glob("*.*") if target.is_dir() else ()))
-    writable(target.parent)
-    with console.progress() as progress:
-        task = progress.add_task("writing", total=len(run.snapshots))
-        try:
-            with as_left(run.folder):
-                count = write(run, target, lambda: progress.advance(task))
-        except OSError as error:
-            raise of_file(error, target) from error
-    files = [target] if target.is_file() else [*target.glob("*.*")]
-    size = sum(file.stat().st_size for file in files)
-    console.say(f"{target}  {count} states, {size / 1e6:.3g} MB")
-    console.result({"output": str(target), "format": kind, "states": count, "bytes": size})
+    console = Console(quiet, json)
+    bar = partial(console.tracked, words="writing")
+    done = export(folder, output, kind=kind, overwrite=overwrite, tracked=bar)
+    console.say(f"{done.file}  {done.states} states, {done.bytes / 1e6:.3g} MB")
+    console.result({"output": str(done.file), "format": kind, "states": done.states, "bytes": done.bytes})

@@ -1,5 +1,6 @@
 """`taichi-silo render`."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -80,7 +81,7 @@ def command(
         folder, output, field=field, limits=_numbers(limits, ","), colours=colours, layout=layout, size=_size(size),
         axes=axes, zoom_mm=_numbers(zoom, ","), title=title, transparent=transparent, beside=beside, seconds=seconds,
         speed=speed, slow=_numbers(slow, ","), fps=fps, frame=frame, overwrite=overwrite,
-        tracked=lambda shown: _tracked(shown, field, console),
+        tracked=partial(console.tracked, words=f"drawing {field}"),
     )  # fmt: skip
     scale = drawn.scale
     ends = "" if isinstance(scale.colours, tuple) else f", {scale.low:g} to {scale.high:g}"
@@ -90,15 +91,6 @@ def command(
     else:
         found = {"picture": str(drawn.file), "snapshot": drawn.snapshot or None}
     console.result(found | {"field": field, "range": [scale.low, scale.high], "size": list(drawn.size)})
-
-
-def _tracked(shown: list, field: str, console: Console):
-    """The moments, with a progress bar where there is a terminal."""
-    from rich.progress import track
-
-    terminal = console.terminal
-    silent = terminal.quiet or not terminal.is_terminal
-    return track(shown, f"drawing {field}", console=terminal, transient=True, disable=silent)
 
 
 def _numbers(text: str | None, between: str) -> tuple | None:

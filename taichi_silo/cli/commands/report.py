@@ -22,9 +22,9 @@ def report(
         taichi-silo report outputs/outlet_e0.60_very-rough
         taichi-silo report outputs/outlet_e0.60_very-rough --output outlet.html
     """
-    from taichi_silo.show.report.page import write_report
+    from taichi_silo.show.report.page import report as written
 
     console = Console(quiet=quiet, as_json=json)
-    page = write_report(folder, output)
+    page = written(folder, output)
     console.say(f"The report is {page} ({page.stat().st_size / 1e6:.1f} MB); open it in a browser.")
     console.result({"report": str(page), "bytes": page.stat().st_size})

@@ -54,3 +54,6 @@ class Observer:
     def restore(self, simulation, kept: dict) -> None:
         """Go on from a state; `kept` is empty if it was not there before."""
         self.begin(simulation)
+
+
+REGISTERED: dict[str, type[Observer]] = {}  # by plugins: every run gets one of each

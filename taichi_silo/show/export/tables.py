@@ -1,5 +1,6 @@
 """A CSV table of the points for each state of a run, units in the names of its columns, and a table of the states."""
 
+import math
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -53,6 +54,6 @@ def _table(position: np.ndarray, arrays: dict[str, np.ndarray]) -> pd.DataFrame:
 
 
 def _short(values: np.ndarray):
-    """Numbers as text with the digits that they have."""
+    """Numbers as text with the digits that they have; nothing where there is no value."""
     digits = DIGITS.get(values.dtype)
-    return values if digits is None else [f"{value:.{digits}g}" for value in values.tolist()]
+    return values if digits is None else [f"{x:.{digits}g}" if math.isfinite(x) else "" for x in values.tolist()]

@@ -173,7 +173,7 @@ def janssen_line(panel, run: Result, name: str):
 
 def reference_angle(panel, run: Result):
     """Draw the friction angle of the wall, or of critical simple shear along a very rough one."""
-    reference, rough = theory.wall_angle_deg(run), run.scene.walls.kind == "very-rough"
+    reference, rough = theory.wall_angle_deg(run), run.scene.walls.friction_angle_deg is None
     name = "critical simple shear" if rough else "wall friction"
     _reference_line(panel, reference, ":" if rough else "--", f"{name}, {reference:.3g}°")
 

@@ -3,7 +3,7 @@
 import math
 from pathlib import Path
 
-from taichi_silo.errors import BadInput
+from taichi_silo.errors import BadInput, Way, way
 from taichi_silo.runs.run_folder import no_link, writable
 from taichi_silo.show.film.encoder import FRAMES_PER_SECOND, KINDS, passing_name
 from taichi_silo.show.film.layout import LAYOUTS, SAND, SIZES
@@ -133,14 +133,17 @@ def need_kind(file: Path, frame: float | None, transparent: bool, beside: bool) 
     if beside and suffix == ".svg":
         raise BadInput(f"output is {file}; two runs beside each other must end with .png")
     if transparent and suffix in KINDS:
-        raise BadInput(f"output is {file}; only pictures are transparent: it must be a folder, or a .png with --frame")
+        one = Way("frame", "--frame")
+        words = f"output is {file}; only pictures are transparent: it must be a folder, or a .png with {one}"
+        raise BadInput(words, one)
 
 
 def free(file: Path, overwrite: bool) -> Path:
     """The file, which may be written."""
     file = place(file, "output")
     if file.exists() and not overwrite:
-        raise BadInput(f"output {file} is there already; give another name, or --overwrite to replace it")
+        anew = way("overwrite")
+        raise BadInput(f"output {file} is there already; give another name, or {anew} to replace it", anew)
     no_link(file, file.with_name(f"{file.name}.part"), passing_name(file))
     if file.exists() and file.is_dir() != (not file.suffix):
         raise BadInput(f"output {file} is {'a folder' if file.is_dir() else 'a file'}; give another name")

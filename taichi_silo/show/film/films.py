@@ -5,7 +5,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from taichi_silo.errors import BadInput
+from taichi_silo.errors import BadInput, Way
 from taichi_silo.runs.result import Result
 from taichi_silo.show.film import moments
 from taichi_silo.show.film.encoder import FRAMES_PER_SECOND, encode
@@ -48,10 +48,9 @@ def film(
     for run in runs:
         many = len(run.flow_states)
         if not kept and (0 < many < FEWEST_STATES or len(run.snapshots) < 2):
-            raise BadInput(
-                f"snapshots of the flow are {many}; a film needs at least {FEWEST_STATES}: run it again with "
-                "output.snapshots = 100, or draw single pictures with --frame"
-            )
+            more, one = Way("output.snapshots = 100", "--snapshots 100"), Way("frame=...", "--frame")
+            words = f"snapshots of the flow are {many}; a film needs at least {FEWEST_STATES}: run it again with "
+            raise BadInput(words + f"{more}, or draw single pictures with {one}", more, one)
     renderer: Renderer | Pair
     renderer = Renderer(history, look, states[id(history)]) if other is None else Pair((history, other), look)
     frames = map(renderer.frame, shown)

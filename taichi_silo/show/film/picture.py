@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from taichi_silo.runs.point_fields import Scale
-from taichi_silo.scene import bands
 from taichi_silo.scene.scene import Scene
 from taichi_silo.show.film.canvas import Canvas
 from taichi_silo.show.film.curves import Course
@@ -111,9 +110,6 @@ def floors(silo) -> list[np.ndarray]:
 
 def title(scene: Scene) -> str:
     """One line that says which sand, walls and silo are seen."""
-    walls = "very rough walls"
-    if scene.walls.kind == "smooth":
-        walls = f"smooth walls ({scene.walls.friction_angle_deg:g}°)"
-    walls = ", ".join(filter(None, (walls, bands.words(scene.walls))))
-    words = [f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}", walls, scene.silo.words()]
+    sand = f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}"
+    words = [sand, scene.walls.words, scene.silo.words()]
     return ", ".join(word for word in words if word)

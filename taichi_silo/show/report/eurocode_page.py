@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 from matplotlib import rc_context
 
-from taichi_silo.errors import BadInput
+from taichi_silo.errors import BadInput, way
 from taichi_silo.runs.run_folder import no_link, writable
 from taichi_silo.show import html
 from taichi_silo.show.export import wall_loads
@@ -29,7 +29,8 @@ def write(report: EurocodeReport, folder: Path, scene: Path, overwrite: bool = F
     files = [folder / name for name in (PAGE, TABLE, FIGURE)] + ([folder / HOPPER] if report.hopper_rows else [])
     there = [file for file in (*files, folder / LOADS) if file.exists()]
     if there and not overwrite:
-        raise BadInput(f"output {there[0]} is there already; give another folder, or --overwrite to replace it")
+        anew = way("overwrite")
+        raise BadInput(f"output {there[0]} is there already; give another folder, or {anew} to replace it", anew)
     no_link(*files, folder / LOADS)
     writable(folder)
     picture = _picture(report)

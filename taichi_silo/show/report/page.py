@@ -2,6 +2,7 @@
 
 import contextlib
 import datetime
+import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -52,25 +53,37 @@ FIGURES = {  # name: (what it shows, for those who cannot see it; a caption)
 }
 
 
-def write_report(folder: Path, file: Path | None = None) -> Path:
-    """Write the report of a run, finished or not, in one piece or not at all, and return where it is.
+def report(run: str | os.PathLike, file: str | os.PathLike | None = None) -> Path:
+    """Write one page of a run, finished or not: drawing, key numbers, trust, film, figures, parameters.
 
-    That is `report.html` in its folder, if not told. Raises BadInput if the folder holds no run of a silo, or the file
-    cannot be written.
+    Parameters
+    ----------
+    run : a `Result`, or its folder.
+    file : `report.html` in the run's folder if absent; an earlier one there is replaced.
+
+    Returns
+    -------
+    The page; it needs no other file.
+
+    Raises
+    ------
+    BadInput
+        if the folder holds no run of a silo, or the file cannot be written.
+
     """
-    run = Result(folder, tolerant=True)
-    run.scene  # noqa: B018 - which no report can do without
-    file = run.folder / "report.html" if file is None else bounded_reading.place(file, "output")
-    if file.is_dir():
-        raise BadInput(f"output is {file}, a folder; it must be a file, such as {file / 'report.html'}")
-    no_link(file, file.with_name(file.name + ".part"))
-    writable(file.parent)
-    with bounded_reading.as_left(run.folder):
-        trouble = [] if run.summary and run.figures else _draw(run.folder)
-        text = page(run, trouble)
-    with atomic_write.written(file) as passing:
+    found = Result(run, tolerant=True)
+    found.scene  # noqa: B018 - which no report can do without
+    target = found.folder / "report.html" if file is None else bounded_reading.place(file, "output")
+    if target.is_dir():
+        raise BadInput(f"output is {target}, a folder; it must be a file, such as {target / 'report.html'}")
+    no_link(target, target.with_name(target.name + ".part"))
+    writable(target.parent)
+    with bounded_reading.as_left(found.folder):
+        trouble = [] if found.summary and found.figures else _draw(found.folder)
+        text = page(found, trouble)
+    with atomic_write.written(target) as passing:
         passing.write_text(text, encoding="utf-8")
-    return file
+    return target
 
 
 def _draw(folder: Path) -> list[str]:
@@ -132,16 +145,14 @@ def _title(run: Result) -> str:
 def _facts(run: Result) -> list[tuple[str, str]]:
     """What a drawing cannot show: name and value."""
     scene = run.scene
-    smooth = f"smooth, {plain(scene.walls.friction_angle_deg)}°"
+    walls = scene.walls.kind.replace("-", " ")
+    if scene.walls.friction_angle_deg is not None:
+        walls += f", {plain(scene.walls.friction_angle_deg)}°"
+    walls = ", ".join(filter(None, (walls, bands.words(scene.walls))))
     return [
         ("sand", scene.sand.name),
         ("void ratio", plain(scene.sand.void_ratio)),
-        (
-            "side walls",
-            ", ".join(
-                filter(None, (smooth if scene.walls.kind == "smooth" else "very rough", bands.words(scene.walls)))
-            ),
-        ),
+        ("side walls", walls),
         ("weight", f"{kN(run.summary.get('weight_N_per_m'))} kN/m"),
     ]
 

@@ -32,7 +32,9 @@ def _sand(run: Result, sand: str) -> str:
 
 def _walls(run: Result) -> str:
     side = "very rough: sand at the wall does not slip"
-    if run.scene.walls.kind == "smooth":
+    if run.scene.walls.own:
+        side = f"with a contact of a plugin, {run.scene.walls.kind}"
+    elif run.scene.walls.kind == "smooth":
         side = f"smooth, Coulomb friction of {plain(run.scene.walls.friction_angle_deg)}°"
     if special := bands.words(run.scene.walls):
         side += f", in bands {special}"

@@ -121,7 +121,7 @@ def _checks(run: Result) -> Iterator[CertificateCheck]:
         if key == SETTLED:
             yield CertificateCheck(name, means, "yes" if value else "no", "should be yes", bool(value))
         elif key == ENERGY:
-            low, high = RIGID[walls]
+            low, high = RIGID.get(walls, RIGID["very-rough"])  # of a contact of a plugin nothing more is known
             words = f"limit {plain(low)} to {plain(high)}" if low else f"limit ≤ {plain(high)}"
             passed = low <= min(value) and max(value) <= high
             yield CertificateCheck(name, means, f"{number(value[0], 2)} to {number(value[-1], 2)}", words, passed)

@@ -36,6 +36,8 @@ WORDS: dict[str, tuple[Units, str]] = {  # quantity: its units, and what it is c
         "effective confining pressure, effective cell pressure, effective confining stress, zelldruck, seitendruck",
     ),
     "mean_stress": (STRESS, "p, mean stress, mean effective stress, mean pressure, mittlere spannung"),
+    "shear_strain": (STRAIN, "shear strain, gamma, shear distortion, scherdehnung, schubverzerrung, gleitung"),
+    "shear_stress": (STRESS, "shear stress, tau, sigma12, tau xy, schubspannung, scherspannung"),
     "void_ratio": (NUMBER, "void ratio, e, voids ratio, porenzahl"),
     "porosity": ({**NUMBER, **STRAIN}, "porosity, porenanteil"),
     "first_void_ratio": (NUMBER, "e0, initial void ratio, void ratio e0, anfangsporenzahl, e initial, initial e"),
@@ -53,7 +55,7 @@ WORDS: dict[str, tuple[Units, str]] = {  # quantity: its units, and what it is c
     "grain_density": (DENSITY, "grain density, particle density, solid density, rho s, korndichte"),
     "d50": (SIZE, "d50, mean grain size, mean grain diameter, mittlerer korndurchmesser"),
 }  # fmt: skip
-GREEK = {"ε": "eps", "σ": "sigma", "φ": "phi", "ϕ": "phi", "ρ": "rho", "τ": "tau"}
+GREEK = {"ε": "eps", "σ": "sigma", "φ": "phi", "ϕ": "phi", "ρ": "rho", "τ": "tau", "γ": "gamma"}
 
 
 def key(name: str) -> str:

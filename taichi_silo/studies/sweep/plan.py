@@ -20,7 +20,7 @@ seed = 1
 from pathlib import Path
 from typing import Any
 
-from pydantic import Field, field_validator
+from pydantic import Field, InstanceOf, field_validator
 
 from taichi_silo.errors import BadInput
 from taichi_silo.scene import fidelity as fidelities
@@ -41,7 +41,7 @@ WORDS = {"low", "high", "choices"}  # of a quantity's range, by which its table 
 class Sweep(Options):
     """A parameter study: scenes, what varies in them, what is plotted, and where they are run."""
 
-    scene: dict[str, Any] | tuple[Path, ...] = ()  # values at dotted paths, or files
+    scene: InstanceOf[Scene] | dict[str, Any] | tuple[Path, ...] = ()  # itself, values at dotted paths, or files
     fidelity: str | None = None  # of all runs, unless it varies
     film: bool = False
     retries: int = Field(3, ge=0, le=1000)  # of a run whose process crashed or whose worker died
@@ -67,13 +67,15 @@ class Sweep(Options):
         """All, by the names of their runs; raises BadInput if nothing varies, or a scene is not possible."""
         if self.grid and self.latin_hypercube is not None:
             raise BadInput("a sweep has a grid or a latin_hypercube, not both; choices of the latter may be words, too")
-        if isinstance(self.scene, dict):
+        if isinstance(self.scene, Scene):
+            found = {"": changed(self.scene, {"machine.threads": 1})}
+        elif isinstance(self.scene, dict):
             found = {"": made(bases([])[""], self.scene | {"machine.threads": 1})}
         else:
             found = bases(list(self.scene))
             found = dict(zip([""], found.values(), strict=True)) if len(found) == 1 else found
         if not self.paths and len(found) == 1:
-            raise BadInput("nothing varies; a sweep needs a table grid or latin_hypercube, --vary, or several scenes")
+            raise BadInput("nothing varies; a sweep needs a table grid or latin_hypercube, or several scenes")
         made_of = scenes(found, self._varied())
         if self.fidelity is None:
             return made_of
@@ -116,9 +118,9 @@ def from_tables(tables: dict, beside: Path) -> Sweep:
     scene = tables.get("scene", {})
     if isinstance(scene, dict):
         tables["scene"] = _settings({name: one for name, one in scene.items() if name != "program"})  # of a run.toml
-    else:
-        files = scene if isinstance(scene, list) else [scene]
-        if not all(isinstance(one, str) for one in files):
+    elif not isinstance(scene, Scene):
+        files = scene if isinstance(scene, list | tuple) else [scene]
+        if not all(isinstance(one, str | Path) for one in files):
             raise BadInput(f"scene is {shown(scene)}; it must be a file, a list of files, or a table")
         tables["scene"] = [beside / bounded_reading.place(one, "scene") for one in files]
     if "grid" in tables:

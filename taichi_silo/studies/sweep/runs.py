@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from taichi_silo import api
-from taichi_silo.errors import BadInput
+from taichi_silo.errors import BadInput, way
 from taichi_silo.runs import film_states
 from taichi_silo.runs.cost_estimate import START_S, Cost, at_pace, rehearse
 from taichi_silo.runs.result import FILM
@@ -21,6 +21,7 @@ from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.scene.symmetry import half_model
 from taichi_silo.simulation.simulation import Simulation
+from taichi_silo.utils import plugin_files
 from taichi_silo.utils.console import Console
 from taichi_silo.utils.file_lock import alone
 from taichi_silo.utils.process_pool import ASKED_EVERY_S, ProcessPool, Task
@@ -67,7 +68,9 @@ class Run:
     def check(self) -> None:
         """Refuse a folder that holds the run of another scene."""
         if (self.folder / MADE).exists() and self._other():
-            raise BadInput(f"output {self.folder} holds another scene's run; give another folder, or --overwrite it")
+            anew = way("overwrite")
+            words = f"output {self.folder} holds another scene's run; give another folder, or {anew} to replace it"
+            raise BadInput(words, anew)
 
     def attempt(self, extra: tuple = ()) -> None:
         """Do what is left: nothing if another attempt has finished it by now, the rest if one has begun it, or all.
@@ -89,12 +92,15 @@ class Run:
     def to_json(self, steps: int = 0) -> str:
         """The line that the program `taichi_silo.studies.sweep` reads: this run, and the number of steps expected."""
         scene, folder = self.scene.model_dump(mode="json"), os.fspath(self.folder)
-        return json.dumps({"scene": scene, "folder": folder, "film": self.film, "steps": steps})
+        plugins = plugin_files.loaded()  # without which the scene may not be possible
+        return json.dumps({"scene": scene, "folder": folder, "film": self.film, "steps": steps, "plugins": plugins})
 
     @classmethod
     def from_json(cls, line: str) -> tuple["Run", int]:
         """The run, and the number of steps expected."""
         given = json.loads(line)
+        for file in given["plugins"]:
+            plugin_files.load(file)
         return cls(Scene.model_validate(given["scene"]), Path(given["folder"]), given["film"]), given["steps"]
 
     def _other(self) -> bool:

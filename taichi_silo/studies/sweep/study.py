@@ -1,13 +1,17 @@
 """A sweep from its scenes to its table and figures."""
 
+import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from taichi_silo.runs.cost_estimate import START_S, Cost
 from taichi_silo.runs.run_folder import claim, no_link, own, writable
 from taichi_silo.show.figures import plot_batch, plot_response
 from taichi_silo.studies.sweep import table
-from taichi_silo.studies.sweep.plan import Sweep
+from taichi_silo.studies.sweep.clusters import cluster_of
+from taichi_silo.studies.sweep.plan import Sweep, from_tables, read
 from taichi_silo.studies.sweep.runs import Run, costs, simulate
 from taichi_silo.studies.sweep.variations import SAND, differences, used
 from taichi_silo.utils.bounded_reading import place
@@ -23,7 +27,16 @@ LOCK = ".sweep"  # in the output: one sweep at a time
 
 @dataclass
 class Study:
-    """The runs, the table and the figures of a sweep in a folder; what is there is run anew only to `overwrite` it."""
+    """The runs, the table and the figures of a sweep in a folder; what is there is run anew only to `overwrite` it.
+
+    Attributes
+    ----------
+    runs : each with its scene and folder, by its name.
+    table : a frame, a row for each run: what varied, forces, pressures, flow pattern, cost, whether it failed.
+    failures : why runs failed, a sentence each, by their names.
+    left : files of the table and the figures.
+
+    """
 
     sweep: Sweep
     folder: Path
@@ -137,3 +150,46 @@ class Study:
         there = {name: run.folder for name, run in self.runs.items() if self.rows[name]["P_filled_N_per_m"]}
         response, target = self.sweep.response, self.folder / "figures"
         return plot_response(self.table, self.varied, response, target) + plot_batch(there, target)
+
+
+def sweep(
+    plan: str | os.PathLike | Mapping[str, Any],
+    folder: str | os.PathLike,
+    *,
+    overwrite: bool = False,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    slurm: bool = False,
+    progress: bool = True,
+) -> Study:
+    """Run a scene many times with other values, on all cores or a cluster, and leave a table and figures.
+
+    Parameters
+    ----------
+    plan : tables of a sweep, or a file with them: `scene` (a `Scene`, its tables, or files), `grid` or
+        `latin_hypercube` (what varies), `fidelity`, `film`, `response`, `cluster`.
+    folder : where to leave the runs, one subfolder each, the table and the figures; what is finished there is kept.
+    overwrite : run anew what is there.
+    jobs, scheduler, slurm : where the runs are done; all cores of this machine if not given, and not in the plan.
+    progress : say what it will cost, and how far it is.
+
+    Returns
+    -------
+    The sweep: `table`, a row for each run, and `failures`, sentences by the names of runs that failed.
+
+    Raises
+    ------
+    BadInput
+        before any work, if a scene is not possible, or the folder cannot be used. A run that fails stops no other.
+
+    """
+    if isinstance(plan, Mapping):
+        asked = from_tables(dict(plan), Path())
+    else:
+        asked = read(Path(plan))
+    cluster = cluster_of(scheduler, slurm, jobs, asked.cluster)
+    cluster.check()
+    asked = asked.model_copy(update={"cluster": cluster})
+    study = Study(asked, place(folder, "folder"), Console(quiet=not progress), overwrite)
+    study.run()
+    return study
