@@ -62,8 +62,8 @@ def check() -> None:
     """
     if _forked:
         raise BadInput(
-            f"process {os.getpid()} was forked from one in which Taichi was running, and would wait for its threads for "
-            'ever; it must be started anew: multiprocessing.get_context("spawn"), or taichi-silo sweep'
+            f"process {os.getpid()} was forked from one in which Taichi was running, and would wait for its threads "
+            'for ever; it must be started anew: multiprocessing.get_context("spawn"), or taichi-silo sweep'
         )
     if _holder not in (None, threading.get_ident()):
         raise BadInput(
@@ -82,8 +82,8 @@ def _check_fields() -> None:
     if (foreign and (count or arrays)) or (not foreign and _left is not None and count > _left):
         raise BadInput(
             "Taichi holds fields of your own in this process, and a run would end them: to read one later is a "
-            "segmentation fault; keep what they hold with to_numpy(), call ti.reset() and begin, or run in a process of "
-            "its own"
+            "segmentation fault; keep what they hold with to_numpy(), call ti.reset() and begin, or run in a process "
+            "of its own"
         )
 
 

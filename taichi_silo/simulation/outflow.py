@@ -3,7 +3,10 @@
 The next interval follows from the clock and the points, so the flow can be left at a record and gone on with.
 """
 
+import numpy as np
+
 from taichi_silo.mpm.noise_control import NoiseControl
+from taichi_silo.scene import known_limits
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.clock import OPENED, Clock, Interval
 from taichi_silo.simulation.model import Model
@@ -14,6 +17,7 @@ SHORT, LANDING = 0.5, 0.6  # of an interval and of a time step in free outflow: 
 LONGER = 1.05  # at most, a step against that of the interval before: where sand has landed, more will
 REACH = 0.35  # of a cell: by more, no sand may pass the exit within an interval
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
+OVER = 0.25  # of the outlet's width, to both sides of its middle: no sand that has flowed freely stays there
 
 
 def duration(scene: Scene, period: float) -> float:
@@ -62,16 +66,37 @@ def _controlled(model: Model, clock: Clock) -> Interval | None:
     return Interval(duration, plate_velocity=(-speed, -faster))
 
 
+def why_ended(model: Model, clock: Clock) -> str:
+    """Why a free outflow ends now: "empty", "enough", "time" or "rest"; empty while it goes on."""
+    flow = model.scene.flow
+    if not model.particles.number:
+        return "empty"
+    if clock.displacement >= flow.displacement_m:
+        return "enough"
+    if clock.flow_start is None or clock.time >= clock.flow_start + flow.longest_s:
+        return "time"
+    return "rest" if clock.time - clock.left_at >= AT_REST_S else ""
+
+
+def jam(model: Model, left_share: float) -> str:
+    """What to say of a free outflow that has come to rest: a sentence if sand stands over the middle of the outlet."""
+    scene = model.scene
+    edges = [edge - model.section.shift for edge in scene.silo.outlet_m]
+    middle, reach = 0.5 * sum(edges), OVER * (edges[1] - edges[0])
+    over = np.abs(model.particles.array("position")[:, 0] - middle) <= max(reach, 0.51 * model.spacing)
+    if not over.any():
+        return ""
+    cells = known_limits.cells_across_outlet(scene)
+    remedy = "a wider outlet or smoother walls let it flow"
+    if cells < known_limits.FEWEST_CELLS - 1e-6:
+        size = 1e3 * scene.grid.cell_size_m * cells / known_limits.FEWEST_CELLS
+        remedy = f"the outlet is {cells:.3g} cells wide, and smaller cells ({size:.3g} mm) or a wider outlet help"
+    return f"The flow has jammed: {left_share:.0%} of the sand stays in the silo and bridges the outlet; {remedy}."
+
+
 def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None:
     """Let the sand fall until the flow has stopped, enough has left, or the time is over."""
-    flow = model.scene.flow
-    if (
-        clock.flow_start is None
-        or clock.time >= clock.flow_start + flow.longest_s
-        or clock.displacement >= flow.displacement_m
-        or not model.particles.number
-        or clock.time - clock.left_at >= AT_REST_S
-    ):
+    if why_ended(model, clock):
         return None
     reach = REACH * model.scene.grid.cell_size_m
     fastest = fastest_m_per_s + model.gravity * model.interval

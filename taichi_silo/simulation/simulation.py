@@ -11,7 +11,7 @@ import numpy as np
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.scene import known_limits
+from taichi_silo.scene import known_limits, likely_units
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow, restart
 from taichi_silo.simulation.alarm import Alarm, Alarms
@@ -51,7 +51,7 @@ class Simulation:
     def __init__(self, scene: Scene, control: NoiseControl | None = None):
         self.model = model = discretise(scene, control)
         self.clock, self.filling = Clock(), filling.Progress()
-        self.warnings, self.alarms = known_limits.of_method(scene), Alarms()
+        self.warnings, self.alarms = known_limits.of_method(scene) + likely_units.of_scene(scene), Alarms()
         self.discharge = None
         if not scene.silo.floor_is_outlet:
             left, right = (edge - model.section.shift for edge in scene.silo.outlet_m)
@@ -98,8 +98,18 @@ class Simulation:
             interval = outflow.next_interval(self.model, self.clock, self.sums.speed if self.sums else 0.0)
             if interval is None:
                 self.clock.finished = True
+                self._note_end()
             else:
                 yield self.advance(interval)
+
+    def _note_end(self) -> None:
+        """Note why a free outflow has ended, and warn of one that has jammed."""
+        if self.discharge is None or self.scene.flow.outflow != "gravity":
+            return
+        self.clock.ended = outflow.why_ended(self.model, self.clock)
+        if self.clock.ended == "rest" and (jam := outflow.jam(self.model, self.above_opening / self.model.mass)):
+            self.clock.ended = "jam"
+            self.warnings.append(jam)
 
     def advance(self, interval: Interval) -> Record:
         """Compute an interval."""
@@ -275,7 +285,9 @@ class Simulation:
     def restore(self, kept: dict) -> None:
         """Stand where a simulation of the same scene stood when its `state` was taken."""
         clock, points = kept["clock"], dict(kept["points"])
-        self.clock = Clock(**{field.name: clock[field.name] for field in dataclasses.fields(Clock)})
+        self.clock = Clock(
+            **{field.name: clock[field.name] for field in dataclasses.fields(Clock) if field.name in clock}
+        )
         self.filling = filling.Progress(**kept["filling"])
         self.warnings = list(dict.fromkeys([*kept["warnings"], *self.warnings]))
         self.alarms = Alarms(kept["alarms"])

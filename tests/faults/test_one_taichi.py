@@ -80,6 +80,7 @@ def test_fields_of_the_users_own_are_not_ended_without_a_word(tmp_path):
         field = ti.field(ti.f64, shape=4)
         field.fill(1.0)
         print(attempt("a"), field.to_numpy().sum(), sep="\\n")
+        del array
         ti.init(arch=ti.cpu)
         print(attempt("c"))
     """)  # fmt: skip

@@ -99,8 +99,11 @@ def scene_file(
         return
     if check:
         from taichi_silo.runs import cost_estimate
+        from taichi_silo.scene import known_limits, likely_units
 
         console.say(f"{scene} is a possible scene: {wanted.points:,} points, {wanted.weight_N_per_m:.4g} N/m of sand")
+        for sentence in (*known_limits.of_method(wanted), *likely_units.of_scene(wanted)):
+            console.say(f"Warning: {sentence}")
         cost = cost_estimate.before_start(wanted)
         console.say(cost.words())
         told = {"points": wanted.points, "steps": cost.steps, "seconds": cost.seconds}
