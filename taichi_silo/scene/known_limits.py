@@ -68,8 +68,8 @@ def of_method(scene: Scene) -> list[str]:
         left, right = scene.silo.outlet_m
         found.append(
             f"The gate sinks by {1e3 * scene.flow.displacement_m:.3g} mm: until it has sunk by a twentieth of the "
-            f"outlet's width ({1e3 * BEGUN * (right - left):.3g} mm) sand only loosens, and no flow pattern is told; a greater "
-            "flow.displacement_m gives one."
+            f"outlet's width ({1e3 * BEGUN * (right - left):.3g} mm) sand only loosens, and no flow pattern is "
+            "told; a greater flow.displacement_m gives one."
         )
     return found
 

@@ -58,5 +58,5 @@ def test_a_refusal_counts_once_no_job_is_left():
 
 
 def test_the_reason_is_what_sbatch_said():
-    told = RuntimeError("Command exited\nExit code: 1\nstdout:\n\nstderr:\nsbatch: error: Invalid qos\nsbatch: error: x\n")
+    told = RuntimeError("Command exited\nstdout:\n\nstderr:\nsbatch: error: Invalid qos\nsbatch: error: x\n")
     assert reason(told) == "Invalid qos sbatch: error: x"

@@ -58,9 +58,9 @@ def _balanced(line: str, fitting: int) -> str:
     return textwrap.fill(line, width)
 
 
-def legend_below(figure: Figure, panel, columns: int):
-    """Put a panel's legend below the figure, in so many columns or as many as it has room for; returns it."""
-    handles, labels = panel.get_legend_handles_labels()
+def legend_below(figure: Figure, handles, labels, columns: int):
+    """Put a legend below the figure, in so many columns or as many as it has room for; returns it."""
+    handles, labels = list(handles), list(labels)
     renderer = FigureCanvasAgg(figure).get_renderer()
     for number in range(min(columns, len(labels)), 0, -1):
         legend = figure.legend(handles, labels, loc="outside lower center", ncols=number)

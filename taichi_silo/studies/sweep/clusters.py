@@ -150,12 +150,15 @@ class Slurm(Options):
         from taichi_silo.studies.sweep.slurm_jobs import Submissions
 
         submissions = Submissions()
-        with dask_settings(retries), self.cluster(folder, submissions.job_class()) as cluster:
-            with cluster.get_client() as client:
-                pool = DaskPool(client, self.at_once, retries)
-                submissions.refused = pool.refuse
-                cluster.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
-                yield pool
+        with (
+            dask_settings(retries),
+            self.cluster(folder, submissions.job_class()) as cluster,
+            cluster.get_client() as client,
+        ):
+            pool = DaskPool(client, self.at_once, retries)
+            submissions.refused = pool.refuse
+            cluster.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
+            yield pool
 
     def cluster(self, folder: Path, job_class: type | None = None):
         """The cluster, before any job; what the jobs say goes to `folder`/slurm.
