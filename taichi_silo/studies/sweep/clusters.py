@@ -2,6 +2,7 @@
 
 import contextlib
 import shutil
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from pathlib import Path
@@ -36,8 +37,12 @@ class DaskPool(ProcessPool):
     def refuse(self, sentence: str) -> None:
         """Begin no more tasks, and give up those that wait, because nothing will ever do them."""
         self.refusal = sentence
-        for future in self._waiting:
-            future.cancel()
+
+        def give_up() -> None:
+            for future in list(self._waiting):
+                future.cancel()
+
+        threading.Thread(target=give_up, daemon=True).start()  # a client that is told in its own thread waits for ever
 
     @contextlib.contextmanager
     def _workers(self, heard: Callable[[str, float], None]) -> Iterator[Callable[[Task], Future]]:
