@@ -35,12 +35,13 @@ def _of_sand(scene: Scene) -> Iterator[str]:
 
 def _angles(scene: Scene) -> Iterator[str]:
     hopper = scene.silo.hopper
-    given = {
+    given: dict[str, float | None] = {
         "walls.friction_angle_deg": scene.walls.friction_angle_deg,
         "walls.bottom_friction_angle_deg": scene.walls.bottom_friction_angle_deg,
-        "silo.hopper.friction_angle_deg": hopper and hopper.friction_angle_deg,
-        "silo.hopper.half_angle_deg": hopper and hopper.half_angle_deg,
     }
+    if hopper is not None:
+        given["silo.hopper.friction_angle_deg"] = hopper.friction_angle_deg
+        given["silo.hopper.half_angle_deg"] = hopper.half_angle_deg
     given |= {
         f"silo.inserts.{k}.friction_angle_deg": one.friction_angle_deg for k, one in enumerate(scene.silo.inserts)
     }

@@ -20,9 +20,15 @@ def test_a_constant_of_a_published_sand_in_another_unit_gets_a_word_and_in_its_o
     one = sand(name, 0.5 * (published()[name]["e_d0"] + published()[name]["e_c0"]))
     assert likely_units.of_scene(Scene(sand=one)) == []
     value = factor * getattr(one, constant)
-    (words,) = likely_units.of_scene(Scene(sand=Sand.model_validate(one.model_dump() | {constant: value})))
+    large = Silo(width_m=10.0, height_m=10.0)  # three grains must have room in it
+    (words,) = likely_units.of_scene(Scene(silo=large, sand=Sand.model_validate(one.model_dump() | {constant: value})))
     assert words.startswith(f"sand.{constant} is {value:g} ") and words.endswith(f"is it in {unit}?")
     assert "times above" in words if factor > 1.0 else "times below" in words
+
+
+def test_grains_that_do_not_fit_into_the_silo_are_refused_by_their_own_name():
+    with pytest.raises(ValueError, match=r"sand.d50_m is 0.5 m, and three of it make a characteristic length of 1.5 m"):
+        Scene(sand=Sand(d50_m=0.5))
 
 
 def test_angles_in_radians_get_a_word_and_walls_without_friction_none():

@@ -213,6 +213,7 @@ def x_axis(panel, group):
 
 def _legend_below(figure, panel, columns: int):
     """Put a panel's legend below the figure."""
-    legend = legend_below(figure, *panel.get_legend_handles_labels(), columns)
+    handles, labels = panel.get_legend_handles_labels()
+    legend = legend_below(figure, handles, labels, columns)
     for line in legend.get_lines() if legend else ():  # the light line of every row is too thin to be seen as a sample
         line.set_linewidth(max(line.get_linewidth(), 1.6))

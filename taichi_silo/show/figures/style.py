@@ -47,7 +47,8 @@ def new_figure(width_in: float, height_in: float) -> Figure:
 def put_title(figure: Figure, *lines: str):
     """Put a title above a figure; a line that is too long for it goes on in the next one, which begins with no unit."""
     fitting = int(figure.get_figwidth() * 9.7)  # characters of its size
-    figure.suptitle("\n".join(_balanced(line.replace(" mm", "\u00a0mm"), fitting) for line in lines))
+    whole = (line.replace(" mm", "\u00a0mm").replace(" = ", "\u00a0=\u00a0") for line in lines)
+    figure.suptitle("\n".join(_balanced(line, fitting) for line in whole))
 
 
 def _balanced(line: str, fitting: int) -> str:

@@ -41,7 +41,8 @@ def run_wall_stress_figure(run: Result) -> Figure | None:
         start_at_zero([panel], "x")
         fit_bold([panel])
     panels[0].set_ylabel(f"height above the initial bottom ({length_unit(run.scene.silo.height_m)[0]})")
-    legend_below(figure, *panels[0].get_legend_handles_labels(), 2)
+    handles, labels = panels[0].get_legend_handles_labels()
+    legend_below(figure, handles, labels, 2)
     put_title(figure, f"Wall stresses: {title(run)}", legend(run))
     return figure
 

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -165,7 +165,7 @@ class Slurm(Options):
             cluster.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
             yield pool
 
-    def cluster(self, folder: Path, job_class: type | None = None):
+    def cluster(self, folder: Path, job_class: Any = None):
         """The cluster, before any job; what the jobs say goes to `folder`/slurm.
 
         A job is one worker, a thread of which waits for each run: only of such jobs it is noticed that they ended.
