@@ -24,8 +24,8 @@ def ended(folder, scene):
 
 
 def test_a_free_outflow_that_jams_is_named_everywhere_and_a_wider_outlet_flows(tmp_path):
-    """An outlet of one cell passes nothing: its edges hold 1.7 cells of sand. One of three cells empties the silo."""
-    narrow = smallest(silo=Silo(width_m=0.2, height_m=0.2, outlet=Outlet(width_m=0.05)), flow=FREE)
+    """An outlet of two cells passes next to nothing, as its edges hold 1.7 cells of sand; one of six lets it out."""
+    narrow = smallest(silo=Silo(width_m=0.2, height_m=0.1, outlet=Outlet(width_m=0.1)), flow=FREE)
     summary, log, said = ended(tmp_path / "narrow", narrow)
     assert summary["ledger"]["outflow_ended"] == "jam"
     (sentence,) = [words for words in summary["warnings"] if words.startswith("The flow has jammed")]
@@ -33,7 +33,7 @@ def test_a_free_outflow_that_jams_is_named_everywhere_and_a_wider_outlet_flows(t
     assert f"warning: {sentence}" in log and "ends: the flow has jammed; " in log
     assert said.title == "The flow has jammed" and sentence in said.words and said.level == "care"
 
-    wide = smallest(silo=Silo(width_m=0.2, height_m=0.2, outlet=Outlet(width_m=0.15)), flow=FREE)
+    wide = smallest(silo=Silo(width_m=0.4, height_m=0.1, outlet=Outlet(width_m=0.3)), flow=FREE)
     summary, log, said = ended(tmp_path / "wide", wide)
     assert summary["ledger"]["outflow_ended"] in ("empty", "rest")
     assert "jammed" not in log + said.title + json.dumps(summary)
