@@ -83,8 +83,8 @@ def jam(model: Model, left_share: float) -> str:
     scene = model.scene
     edges = [edge - model.section.shift for edge in scene.silo.outlet_m]
     middle, reach = 0.5 * sum(edges), OVER * (edges[1] - edges[0])
-    over = np.abs(model.particles.array("position")[:, 0] - middle) <= max(reach, 0.51 * model.spacing)
-    if not over.any():
+    x, y = model.particles.array("position").T
+    if not ((np.abs(x - middle) <= max(reach, 0.51 * model.spacing)) & (y > 0.0)).any():
         return ""
     cells = known_limits.cells_across_outlet(scene)
     remedy = "a wider outlet or smoother walls let it flow"
