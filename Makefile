@@ -18,7 +18,7 @@ $(READY): pyproject.toml requirements.lock
 	cp requirements.lock $(READY)
 
 LOCKING := build/locking
-.PHONY: lock audit trust
+.PHONY: lock audit trust test-bare
 
 # requirements.lock anew from pyproject.toml; versions stay if they can (`make lock RENEW=--upgrade`: the newest ones)
 lock:
@@ -79,9 +79,13 @@ docs-serve: $(READY)
 	$(BIN)/python -m mkdocs serve --strict
 
 # the default suite, some minutes on two cores; it says how much of the package it runs through
-test: $(READY)
+test: $(READY) test-bare
 	$(BIN)/python -m pytest --cov --cov-report=
 	@echo "$$($(BIN)/coverage report --format=total) % of the package's lines were run"
+
+# the command line on a bare machine: LANG=C, no HOME, standard output closed (a minute or two)
+test-bare: $(READY)
+	env -u HOME LANG=C LC_ALL=C $(BIN)/python -m pytest tests/unit/test_program.py tests/unit/test_closed_output.py
 
 # what takes minutes each: kills, full disks and hostile files one by one, long flows, all kinds of silo
 test-long: $(READY)

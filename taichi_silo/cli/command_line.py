@@ -157,9 +157,12 @@ def explain(scene, flag_words: Callable[[str], str] = str) -> None:
 def check(scene, name: str, console: Console) -> None:
     """Say that a scene is possible, and what it will cost."""
     from taichi_silo.runs import cost_estimate
+    from taichi_silo.scene import known_limits, likely_units
 
     points = counted(scene.points, "point")
     console.say(f"{name} is a possible scene: {points}, {scene.weight_N_per_m:.4g} N/m of sand")
+    for sentence in (*known_limits.of_method(scene), *likely_units.of_scene(scene)):
+        console.say(f"Warning: {sentence}")
     cost = cost_estimate.before_start(scene)
     console.say(cost.words())
     told = {"points": scene.points, "steps": cost.steps, "seconds": cost.seconds}

@@ -13,7 +13,7 @@ import weakref
 from pathlib import Path
 
 from taichi_silo.errors import way
-from taichi_silo.mpm import graphics_cards
+from taichi_silo.mpm import graphics_cards, one_taichi
 from taichi_silo.mpm.language import NAME, ti
 
 PRECISION = os.environ.get("TAICHI_SILO_PRECISION", "f64")
@@ -44,8 +44,11 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
     ------
     ArchitectureError
         if `arch` is unknown, no device of the kind answers, or none of Vulkan computes in f64.
+    BadInput
+        if this process was forked from one in which Taichi ran, or it works for a run in another thread.
 
     """
+    one_taichi.check()
     if arch not in ARCHITECTURES:
         raise ArchitectureError(f"arch is {arch!r}; it must be one of {', '.join(ARCHITECTURES)}")
     options = {"default_fp": real, "log_level": ti.ERROR, "offline_cache": True}
@@ -69,6 +72,7 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
             if NAME == "taichi":  # the fork never groups tasks by itself
                 options["cpu_block_dim_adaptive"] = False
             ti.init(arch=ti.cpu, cpu_max_num_threads=threads, **options)
+    one_taichi.started()
 
 
 NO_VULKAN = f"no Vulkan device answers; install {DRIVERS}, or use {ON_CPU}"
@@ -105,6 +109,7 @@ def device() -> str:
 def array(dtype: object, length: int) -> ti.Ndarray:
     """An array of so many elements, zero at first, which ends with the Taichi that it belongs to."""
     made = ti.ndarray(dtype, length)
+    setattr(made, one_taichi.MARK, True)
     _arrays.append(weakref.ref(made))
     return made
 

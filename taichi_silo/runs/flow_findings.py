@@ -8,6 +8,7 @@ from taichi_silo.analysis.measure.flow_pattern import flow_pattern, mean_velocit
 from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.residence import residence
 from taichi_silo.analysis.measure.zones import shear_zones
+from taichi_silo.scene import known_limits
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.silo import Silo
 
@@ -40,6 +41,8 @@ def flow_findings(filled: dict, before: dict, now: dict, scene: Scene) -> dict:
         volume = volume * np.abs(place[:, 0] - breadth) / breadth
     outflow = (now["left_m2"] - before["left_m2"]) / seconds
     height = float(np.quantile(place[:, 1], 0.99))
+    if not known_limits.has_pattern(scene, now["displacement_m"]):
+        outflow = 0.0
     if outflow > 0.0:
         pattern = flow_pattern(place, velocity, volume, silo.width_m, height, outflow / breadth)
         found["flow_pattern"] = {

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from taichi_silo.errors import BadInput, MachineFailed, Stopped
-from taichi_silo.mpm import runtime
+from taichi_silo.mpm import one_taichi, runtime
 from taichi_silo.runs import run_folder, snapshot
 from taichi_silo.runs.observers import Observer, checkpoint
 from taichi_silo.runs.observers.checkpoint import Checkpoint
@@ -44,7 +44,7 @@ def run(
     drawing : what draws the run at its end, one after the other.
 
     """
-    with heard() as stops, run_folder.none_left_empty(folder):
+    with one_taichi.held(), heard() as stops, run_folder.none_left_empty(folder):
         with stops.at_once(BEFORE):
             memory_need.check(scene)
             scene.machine.start()
@@ -76,7 +76,7 @@ def resume(
     if not checkpoint.is_there(folder):
         what = "holds no checkpoint to go on from" if folder.is_dir() else "does not exist"
         raise BadInput(f"folder is {folder}; it must be that of a run that was begun, but it {what}")
-    with heard() as stops, file_lock.held(run_folder.own(folder)):
+    with one_taichi.held(), heard() as stops, file_lock.held(run_folder.own(folder)):
         with stops.at_once(STILL % run_folder.go_on(folder)):
             with checked_npz.understood(folder):
                 kept, words = checkpoint.latest(folder)

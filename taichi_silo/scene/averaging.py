@@ -58,17 +58,18 @@ class Averaging(Options):
         """Refuse a characteristic length beyond the body, or with more neighbours than memory holds."""
         if self.wall == "rigid" and self.weight != "gaussian":
             raise ValueError(f"weight is {self.weight}; with walls that count as rigid it must be gaussian")
+        name = f"characteristic length is {length:g} m"
+        if self.characteristic_length_m is None:
+            name = f"sand.d50_m is {length / 3.0:g} m, and three of it make a characteristic length of {length:g} m"
         if length > width_m:
-            raise ValueError(
-                f"characteristic length is {length:g} m; it must be between 0 and the width of {width_m:g} m"
-            )
+            raise ValueError(f"{name}; it must be between 0 and the width of {width_m:g} m")
         if self.means == "grid" and self.weight != "gaussian":
             raise ValueError(f"weight is {self.weight}; summed by a grid it must be gaussian")
         kernel = WEIGHTS[self.weight](length)
         by_rows = length > 0.0 and self.summed_by(kernel, spacing_m) == "rows"
         if by_rows and most_pairs(kernel.radius, spacing_m, points) > MOST_PAIRS:
             raise ValueError(
-                f"characteristic length is {length:g} m; with {points} points {1e3 * spacing_m:g} mm apart that makes "
+                f"{name}; with {points} points {1e3 * spacing_m:g} mm apart that makes "
                 f"more than {MOST_PAIRS} pairs of neighbours, give a smaller one, larger cells, or the means by a grid"
             )
 

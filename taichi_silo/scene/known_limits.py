@@ -16,6 +16,7 @@ from taichi_silo.scene.symmetry import SLENDER
 NOISY = ("apic", "gradient", "xpic", "blend", "pic")
 FEWEST_CELLS = 10  # that an outlet should be wide
 THICK = 2  # cells that a body should be: sand reaches a cell into it from each side
+BEGUN = 0.05  # of the outlet's width: until a gate has sunk as far, sand only loosens, and all of it a little
 DEAD_EDGE = 1.7  # cells of its width that pass nothing in free outflow (`validation/beverloo.py`)
 
 
@@ -74,7 +75,21 @@ def of_method(scene: Scene) -> list[str]:
                 f"Insert {number + 1}, a {insert.kind}, is less than {THICK} cells of {1e3 * h:g} mm thick: the sand "
                 "on both of its sides shares nodes, and drags itself along through it."
             )
+    if not has_pattern(scene):
+        left, right = scene.silo.outlet_m
+        found.append(
+            f"The gate sinks by {1e3 * scene.flow.displacement_m:.3g} mm: until it has sunk by a twentieth of the "
+            f"outlet's width ({1e3 * BEGUN * (right - left):.3g} mm) sand only loosens, and no flow pattern is "
+            "told; a greater flow.displacement_m gives one."
+        )
     return found
+
+
+def has_pattern(scene: Scene, displacement_m: float | None = None) -> bool:
+    """Whether so much has left at a displacement, or the scene's own, that the flow has a pattern."""
+    left, right = scene.silo.outlet_m
+    sunk = scene.flow.displacement_m if displacement_m is None else displacement_m
+    return scene.silo.floor_is_outlet or sunk >= BEGUN * (right - left) * (1.0 - 1e-9)
 
 
 def cells_across_outlet(scene: Scene) -> float:

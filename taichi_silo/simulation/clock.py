@@ -62,6 +62,7 @@ class Clock:
     left_at : when sand last left the silo, or first could [s].
     step : length of a time step in the last interval [s].
     stepping_seconds : of the machine's time, spent in steps [s].
+    ended : why a free outflow has ended, see `outflow.why_ended`, or "jam"; empty of others.
 
     """
 
@@ -75,6 +76,7 @@ class Clock:
     left_at: float = 0.0
     step: float = math.inf
     stepping_seconds: float = 0.0
+    ended: str = ""
 
     def begin_flow(self) -> None:
         """The filling is over."""

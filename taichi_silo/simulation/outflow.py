@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from taichi_silo.mpm.noise_control import NoiseControl
+from taichi_silo.scene import known_limits
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import gates
 from taichi_silo.simulation.clock import OPENED, Clock, Interval
@@ -23,6 +24,7 @@ SAME_TIME_S = 1e-9  # nearer times are one
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped; longer by the root of a mass scaling
 STEEPEST = 1.5  # largest slope of the start, over its mean
 PARTS = 1001  # of the start, in which its displacement is looked up
+OVER = 0.25  # of the outlet's width, to both sides of its middle: no sand that has flowed freely stays there
 
 
 def duration(scene: Scene, period: float) -> float:
@@ -90,20 +92,42 @@ def _controlled(model: Model, clock: Clock) -> Interval | None:
     return Interval(duration, plate_velocity=(-speed, -faster))
 
 
+def why_ended(model: Model, clock: Clock) -> str:
+    """Why a free outflow ends now: "empty", "enough", "time" or "rest"; empty while it goes on."""
+    flow = model.scene.flow
+    if not model.particles.number:
+        return "empty"
+    if clock.displacement >= flow.displacement_m:
+        return "enough"
+    if clock.flow_start is None or clock.time >= clock.flow_start + flow.longest_s:
+        return "time"
+    since = clock.time - clock.flow_start
+    if gates.more_to_open(model.openings, since):
+        return ""
+    last = clock.flow_start + gates.last_opening(model.openings, since)
+    at_rest = AT_REST_S * math.sqrt(model.scene.method.mass_scaling)
+    return "rest" if clock.time - max(clock.left_at, last) >= at_rest else ""
+
+
+def jam(model: Model, left_share: float) -> str:
+    """What to say of a free outflow that has come to rest: a sentence if sand stands over the middle of the outlet."""
+    scene = model.scene
+    edges = [edge - model.section.shift for edge in scene.silo.outlet_m]
+    middle, reach = 0.5 * sum(edges), OVER * (edges[1] - edges[0])
+    x, y = model.particles.array("position").T
+    if not ((np.abs(x - middle) <= max(reach, 0.51 * model.spacing)) & (y > 0.0)).any():
+        return ""
+    cells = known_limits.cells_across_outlet(scene)
+    remedy = "a wider outlet or smoother walls let it flow"
+    if cells < known_limits.FEWEST_CELLS - 1e-6:
+        size = 1e3 * scene.grid.cell_size_m * cells / known_limits.FEWEST_CELLS
+        remedy = f"the outlet is {cells:.3g} cells wide, and smaller cells ({size:.3g} mm) or a wider outlet help"
+    return f"The flow has jammed: {left_share:.0%} of the sand stays in the silo and bridges the outlet; {remedy}."
+
+
 def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None:
     """Let the sand fall until the flow has stopped, enough has left, or the time is over."""
-    flow, begun = model.scene.flow, clock.flow_start or 0.0
-    since, at_rest = clock.time - begun, AT_REST_S * math.sqrt(model.scene.method.mass_scaling)
-    if (
-        clock.flow_start is None
-        or clock.time >= clock.flow_start + flow.longest_s
-        or clock.displacement >= flow.displacement_m
-        or not model.particles.number
-        or (
-            clock.time - max(clock.left_at, begun + gates.last_opening(model.openings, since)) >= at_rest
-            and not gates.more_to_open(model.openings, since)
-        )
-    ):
+    if why_ended(model, clock):
         return None
     reach = REACH * model.scene.grid.cell_size_m
     fastest = fastest_m_per_s + model.gravity * model.interval

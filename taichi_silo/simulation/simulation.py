@@ -12,7 +12,7 @@ from taichi_silo.mpm import runtime
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.point_sums import BELOW
-from taichi_silo.scene import known_limits
+from taichi_silo.scene import known_limits, likely_units
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, gates, outflow, restart, wall_friction
 from taichi_silo.simulation.alarm import Alarm, Alarms
@@ -52,7 +52,7 @@ class Simulation:
     def __init__(self, scene: Scene, control: NoiseControl | None = None):
         self.model = model = discretise(scene, control)
         self.clock, self.filling = Clock(), filling.Progress()
-        self.warnings, self.alarms = known_limits.of_method(scene), Alarms()
+        self.warnings, self.alarms = known_limits.of_method(scene) + likely_units.of_scene(scene), Alarms()
         self.discharge = None
         if not scene.silo.floor_is_outlet:
             self.discharge = Discharge(model.particles, -EXIT * scene.grid.cell_size_m, model.openings, model.spacing)
@@ -98,8 +98,18 @@ class Simulation:
             interval = outflow.next_interval(self.model, self.clock, self.sums.speed if self.sums else 0.0)
             if interval is None:
                 self.clock.finished = True
+                self._note_end()
             else:
                 yield self.advance(interval)
+
+    def _note_end(self) -> None:
+        """Note why a free outflow has ended, and warn of one that has jammed."""
+        if self.discharge is None or self.scene.flow.outflow != "gravity":
+            return
+        self.clock.ended = outflow.why_ended(self.model, self.clock)
+        if self.clock.ended == "rest" and (jam := outflow.jam(self.model, self.above_opening / self.model.mass)):
+            self.clock.ended = "jam"
+            self.warnings.append(jam)
 
     def advance(self, interval: Interval) -> Record:
         """Compute an interval."""
@@ -303,7 +313,9 @@ class Simulation:
     def restore(self, kept: dict) -> None:
         """Stand where a simulation of the same scene stood when its `state` was taken."""
         clock, points = kept["clock"], dict(kept["points"])
-        self.clock = Clock(**{field.name: clock[field.name] for field in dataclasses.fields(Clock)})
+        self.clock = Clock(
+            **{field.name: clock[field.name] for field in dataclasses.fields(Clock) if field.name in clock}
+        )
         self.filling = filling.Progress(**kept["filling"])
         self.warnings = list(dict.fromkeys([*kept["warnings"], *self.warnings]))
         self.alarms = Alarms(kept["alarms"])

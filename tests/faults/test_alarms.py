@@ -188,9 +188,25 @@ def test_outflow_that_is_not_quasi_static_though_asked_to_be_raises_an_alarm(tmp
     """At 0.2 m/s the inertia of sheared sand counts."""
     scene = SCENE.model_copy(update={"flow": Flow(speed_m_per_s=0.2, displacement_m=0.04), "walls": Walls()})
     alarms = alarmed(tmp_path / "run", scene, stops=False)
-    assert alarms["inertia"]["value"] > 1e-2 and "slower outflow" in alarms["inertia"]["remedy"]
+    assert alarms["inertia"]["value"] > 1e-2 and alarms["inertia"]["remedy"] == "a smaller flow.speed_m_per_s helps"
     assert "inertia" in json.dumps(json.loads((tmp_path / "run" / "summary.json").read_text())["warnings"])
     tried("alarms fired", "inertia")
+
+
+def test_who_lets_the_sand_out_more_slowly_is_rid_of_the_inertia(tmp_path, often):
+    scene = SCENE.model_copy(update={"flow": Flow(speed_m_per_s=0.02, displacement_m=0.004), "walls": Walls()})
+    run(scene, tmp_path / "run", film=False)
+    assert "alarms" not in json.loads((tmp_path / "run" / "summary.json").read_text())
+
+
+def test_an_advice_names_what_the_scene_can_change():
+    """A step that was given follows no cfl, and a noise control that is on cannot be switched on."""
+    given = SCENE.model_copy(update={"method": Method(time_step_s=1e-4)})
+    assert of_records.smaller_step(given) == "a smaller method.time_step_s than 0.0001 s, or none, helps"
+    assert of_records.smaller_step(SCENE) == "method.cfl = 0.2 helps"
+    small = SCENE.model_copy(update={"method": Method(cfl=0.1, noise_control="none")})
+    assert of_records.smaller_step(small) == "a smaller method.cfl than 0.1 helps"
+    assert of_records.quieter(small).endswith('method.noise_control = "column"') and not of_records.quieter(SCENE)
 
 
 def test_sand_that_moves_otherwise_than_its_outlet_raises_an_alarm(quick, simulation, tried):
@@ -212,6 +228,9 @@ def test_a_step_beyond_the_stable_one_makes_energy_of_nothing(tmp_path, monkeypa
     alarm = alarmed(tmp_path / "run", SCENE.model_copy(update={"method": method}), stops=True)["energy"]
     assert alarm["value"] > alarm["limit"] > 0.0 and "makes energy of nothing" in alarm["sentence"]
     assert alarm["point"] is not None
+    assert alarm["remedy"] == "a smaller method.time_step_s than 0.0009 s, or none, helps"
+    run(SCENE, tmp_path / "chosen", film=False)
+    assert "alarms" not in json.loads((tmp_path / "chosen" / "summary.json").read_text())
     tried("alarms fired", "energy")
 
 

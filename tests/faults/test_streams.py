@@ -70,7 +70,7 @@ def test_a_process_without_a_home_finds_one(scene):
     assert b"mass_flow" in out
 
 
-@pytest.mark.parametrize("name", ["run:1", "file:x", "./-dash"])
+@pytest.mark.parametrize("name", ["run:1", "file:x", "./-dash", "http:[%03d]"])
 def test_a_folder_may_have_a_name_that_libraries_read_as_something_else(scene, name):
     code, _, err = shell(f"silo run tiny.toml --quiet --output {name}", scene)
     assert (code, err) == (0, "")

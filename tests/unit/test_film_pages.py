@@ -312,3 +312,21 @@ def test_the_running_median_of_a_step_is_a_step():
     median, spread = force_rows.running(forces, 20)
     assert (median == forces).all()
     assert (spread[..., 0] <= median).all() and (median <= spread[..., 1]).all()
+
+
+def test_no_curve_leaves_the_axis_of_a_slender_silo_whose_walls_carry_more_than_the_weight(tmp_path):
+    """N of one wall is above the weight where the silo is high: K0 of a tall column times its height."""
+    what = made_up.scene(silo=Silo(width_m=0.2, height_m=1.0))
+    history = Result(made_up.leave(tmp_path / "slender", what))
+    table = history.forces
+    scale = 1.4 * what.weight_N_per_m / table["N"].max()
+    for name in ("left_normal_N_per_m", "right_normal_N_per_m"):
+        table[name] *= scale
+    table[["time_s", "stage", "displacement_m", *[n for n in table.columns if n.endswith("_N_per_m")],
+           "wall_friction_angle_deg"]].to_csv(tmp_path / "slender" / "forces.csv", index=False)  # fmt: skip
+    drawn = Renderer(Result(tmp_path / "slender"), Look(size=(640, 360)))
+    canvas = drawn.picture.canvas
+    assert drawn.forces.largest == pytest.approx(1.4 * what.weight_N_per_m, rel=1e-6)
+    assert canvas.top_force == pytest.approx(1.1 * drawn.forces.largest)
+    assert Renderer(history, Look(size=(640, 360))).picture.canvas.top_force == pytest.approx(1.1 * what.weight_N_per_m)
+    assert canvas.furniture.forces.get_ylabel() == "force per metre run (kN/m)"

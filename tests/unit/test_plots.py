@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from taichi_silo.errors import BadInput
@@ -15,6 +16,7 @@ from taichi_silo.scene.scene import Walls
 from taichi_silo.scene.silo import Hopper, Silo
 from taichi_silo.show.figures import plot_run
 from taichi_silo.show.figures.forces import run_forces_figure
+from taichi_silo.show.figures.style import legend_below, new_figure, put_title
 from taichi_silo.show.figures.void_ratio import chosen_snapshots
 from taichi_silo.show.theory import janssen
 from tests import made_up
@@ -126,3 +128,24 @@ def test_snapshots_nearest_to_the_wanted_displacements(tmp_path, until_mm, expec
 
 def test_critical_simple_shear_angle_of_sand():
     assert critical_simple_shear_angle_deg(30.0) == pytest.approx(29.431, abs=5e-4)
+
+
+def test_a_legend_stays_within_its_figure():
+    labels = ["every row", "median over 0.05 mm", "end of filling", "left wall", "right wall", "Janssen, K0 of the law"]
+    for width in (4.0, 7.0, 11.0, 30.0):
+        figure = new_figure(width, 4.0)
+        handles = [figure.subplots().plot([0.0, 1.0], [0.0, 1.0])[0] for _ in labels]
+        legend = legend_below(figure, handles, labels, 6)
+        renderer = FigureCanvasAgg(figure).get_renderer()
+        assert legend.get_window_extent(renderer).width < figure.bbox.width
+        assert len(figure.legends) == 1
+    assert legend._ncols == 6, "all beside each other where there is room"
+
+
+def test_lines_of_a_title_are_about_as_long_as_each_other_and_part_no_number_from_its_sign_or_unit():
+    figure = new_figure(7.0, 4.0)
+    put_title(figure, "Forces: initially dense sand ($e_0$ = 0.60), smooth walls (20°), outlet of 100 mm at the right")
+    first, *_, last = lines = figure.get_suptitle().split("\n")
+    assert len(last) > 0.6 * len(first)
+    assert any("= 0.60" in line.replace("\u00a0", " ") for line in lines)
+    assert any("100 mm" in line.replace("\u00a0", " ") for line in lines)

@@ -13,6 +13,7 @@ from taichi_silo.runs.janssen_findings import janssen_findings
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.runs.theories import theory_of
+from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.scene import Scene, Walls
 from taichi_silo.scene.silo import Silo
 from taichi_silo.show.inclined_walls import inclined_walls
@@ -80,6 +81,17 @@ def test_k0_is_that_of_the_law_itself():
     assert Elastic(1e6, 0.25).rest_pressure_ratio(0.6) == pytest.approx(1.0 / 3.0)
     skeleton = GudehusBauer(critical_friction_angle_deg=35.0)
     assert Intergranular(skeleton=skeleton).rest_pressure_ratio(0.7) == skeleton.rest_pressure_ratio(0.7)
+
+
+def test_a_law_that_is_registered_anew_brings_its_own_k0_into_the_theory_beside_a_run(monkeypatch):
+    """Janssen's N rises with K: that of a stiff elastic body is not that of sand with the same constants."""
+    scene = Scene(walls=SMOOTH, **COARSE)
+    usual = findings(scene, 100.0, 30.0)
+    monkeypatch.setattr(Sand, "constitutive_law", lambda *given: Elastic(1e6, 0.4))
+    found = findings(scene, 100.0, 30.0)
+    assert found["pressure_ratio_K0"] == pytest.approx(2.0 / 3.0)
+    assert found["normal_N_per_m_K0"] > 1.2 * usual["normal_N_per_m_K0"]
+    assert found["pressure_ratio_measured"] == usual["pressure_ratio_measured"], "which the sand itself says"
 
 
 def left(folder, scene, columns, **summary):

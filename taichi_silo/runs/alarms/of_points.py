@@ -6,7 +6,7 @@ import shapely
 from taichi_silo.analysis.measure.deformation import Rings
 from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.wall_pressure import SURFACE
-from taichi_silo.runs.alarms.of_records import Check
+from taichi_silo.runs.alarms.of_records import Check, smaller_step
 from taichi_silo.runs.certificate import inertial_number, unexplained_densification
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.alarm import Alarm
@@ -68,7 +68,8 @@ class Outside(CheckOfPoints):
             "outside the walls", True,
             f"{int((far > self.reach).sum())} points are beyond the walls, the farthest{{place}} by "
             f"{1e3 * far.max():.2f} mm, more than {OUTSIDE} cells", "the wall is thinner or sharper than the cells see",
-            "smaller cells, a smaller time step (cfl) or a blunter corner helps", float(far.max()), self.reach,
+            f"smaller cells or a blunter corner help, or {smaller_step(self.simulation.scene)}", float(far.max()),
+            self.reach,
         )  # fmt: skip
         return alarm.at(points["position"][first], points["identity"][first])
 
@@ -111,7 +112,7 @@ class Ratcheting(_Since):
         lost, where = unexplained_densification(earlier, points, scene, self.rings)
         if not lost > MOST_LOST:
             return None
-        cure = "switch the noise control on"
+        cure = 'method.noise_control = "column" helps'
         if scene.method.noise_control != "none":
             cure = "the noise control holds against flow, so something else shakes the sand: see what moves in the film"
         alarm = Alarm(
@@ -143,8 +144,8 @@ class Inertia(_Since):
         alarm = Alarm(
             "inertia", False,
             f"the inertial number of the sheared sand is {found:.2g}, above {INERTIAL:g}, greatest{{place}}, though "
-            "the outflow is controlled", "the flow is too fast to be quasi-static", "a slower outflow helps",
-            found, INERTIAL,
+            "the outflow is controlled", "the flow is too fast to be quasi-static",
+            "a smaller flow.speed_m_per_s helps", found, INERTIAL,
         )  # fmt: skip
         where = int(np.argmax(np.where(below, number, -1.0)))
         return alarm.at(points["position"][where], points["identity"][where])

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.alarm import Alarm
 from taichi_silo.simulation.record import Record
 from taichi_silo.simulation.simulation import Simulation
@@ -47,6 +48,19 @@ class Check:
         return alarm.at(points["position"][index], points["identity"][index])
 
 
+def smaller_step(scene: Scene) -> str:
+    """How the time step of a scene is made smaller: by the value that it has."""
+    if scene.method.time_step_s is not None:
+        return f"a smaller method.time_step_s than {scene.method.time_step_s:g} s, or none, helps"
+    cfl = scene.method.cfl
+    return "method.cfl = 0.2 helps" if cfl is None or cfl > 0.2 else f"a smaller method.cfl than {cfl:g} helps"
+
+
+def quieter(scene: Scene) -> str:
+    """What is said further where the noise control is off."""
+    return ', and so does method.noise_control = "column"' if scene.method.noise_control == "none" else ""
+
+
 def speed(points: dict[str, np.ndarray]) -> np.ndarray:
     """Of points [m/s]."""
     return np.hypot(*points["velocity"].T)
@@ -63,7 +77,10 @@ class TimeStep(Check):
             return None
         method, stage = self.simulation.scene.method, self.simulation.stage
         slower = "filling" if stage == "filling" else "outflow"
-        cause, remedy = "the stress has risen faster than the step follows", f"a slower {slower} or a cfl of 0.2 helps"
+        cause, remedy = (
+            "the stress has risen faster than the step follows",
+            f"a slower {slower} or method.cfl = 0.2 helps",
+        )
         for name, value in (("time step", method.time_step_s), ("cfl", method.cfl)):
             if value is not None:
                 cause, remedy = f"a {name} was given", f"let the {'step' if name == 'cfl' else name} be chosen"
@@ -85,10 +102,15 @@ class Speed(Check):
         alarm = Alarm(
             "speed", True,
             f"a point{{place}} moves at {record.speed_m_per_s:.1f} m/s, more than {FASTEST} of the speed of waves in "
-            "the sand", "the computation is exploding", "a smaller time step (cfl), or another shape than linear helps",
+            "the sand", "the computation is exploding", self._calmer(),
             record.speed_m_per_s, limit,
         )  # fmt: skip
         return self.at_most(alarm, speed)
+
+    def _calmer(self) -> str:
+        scene = self.simulation.scene
+        words = smaller_step(scene)
+        return f'grid.shape = "ugimp" helps, or {words}' if scene.grid.shape == "linear" else words
 
 
 class Density(Check):
@@ -109,7 +131,7 @@ class Density(Check):
             alarm = Alarm(
                 "void ratio", True,
                 f"the void ratio rises to {record.void_ratio_high:.3f}{{place}}, above {loosest:.3f}, looser than any "
-                "packing", "sand that separates has not been noticed", "a smaller time step (cfl) helps",
+                "packing", "sand that separates has not been noticed", smaller_step(self.simulation.scene),
                 record.void_ratio_high, loosest,
             )  # fmt: skip
             return self.at_most(alarm, lambda points: points["void_ratio"])
@@ -118,7 +140,7 @@ class Density(Check):
     def _compactor(self) -> tuple[str, str]:
         if self.simulation.scene.method.stress_filter == "smoothing":
             return "the smoothing filter lets sand creep under its weight", "the default, patch, does not"
-        return "oscillations have compacted it", "switch the noise control on, or give a smaller cfl"
+        return "oscillations have compacted it", smaller_step(self.simulation.scene) + quieter(self.simulation.scene)
 
 
 class Separation(Check):
@@ -206,7 +228,7 @@ class Energy(_Window):
             "energy", True,
             f"the sand has gained {gain:.3g} J/m of motion within a period, the fastest{{place}}; weight, walls and "
             f"stress can have given {limit:.3g} J/m", "the computation makes energy of nothing",
-            "a smaller time step (cfl) or the noise control helps", gain, limit,
+            smaller_step(self.simulation.scene) + quieter(self.simulation.scene), gain, limit,
         )  # fmt: skip
         return self.at_most(alarm, speed)
 
@@ -227,7 +249,7 @@ class Motion(_Window):
             "not quasi-static", False,
             f"the sand has {mean / limit * SWIFT:.3g} times the kinetic energy that it would have at the speed of the "
             "outlet, the fastest{place}, though the outflow is controlled",
-            "it falls or oscillates instead of following", "a slower outflow, smaller cells or the noise control helps",
-            mean, limit,
+            "it falls or oscillates instead of following",
+            f"a smaller flow.speed_m_per_s helps{quieter(simulation.scene)}", mean, limit,
         )  # fmt: skip
         return self.at_most(alarm, speed)

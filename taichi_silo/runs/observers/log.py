@@ -12,6 +12,10 @@ from taichi_silo.runs.observers import Observer
 from taichi_silo.utils.messages import counted
 
 PART = 0.1  # of the simulated time between two lines on how far it is
+ENDED = {
+    "empty": "the silo is empty", "enough": "as much as was asked for has flowed out",
+    "time": "the longest time is over", "rest": "the sand has come to rest", "jam": "the flow has jammed",
+}  # fmt: skip
 SOON_S = 5.0  # by the clock, after which the first of them comes at the latest
 
 
@@ -75,6 +79,14 @@ class Log(Observer):
             self.say(f"warning: {sentence}")
         self.told = len(self.simulation.warnings)
 
+    def _left(self) -> str:
+        """Why a free outflow has ended, and what is left in the silo."""
+        simulation = self.simulation
+        if not simulation.clock.ended:
+            return ""
+        left = simulation.above_opening / simulation.model.mass
+        return f": {ENDED[simulation.clock.ended]}; {left:.1%} of the sand is in the silo"
+
     def failed(self, why: str) -> None:
         """Keep why for the last line."""
         self.failure = why
@@ -85,6 +97,6 @@ class Log(Observer):
         for alarm in self.simulation.alarms.found.values():
             times = f"{alarm.times} times, the last at t = {alarm.last_time_s:.4f} s: {alarm.sentence}"
             self.say(f"alarm: {alarm.name}, {'which stops the run' if alarm.stops else times}")
-        self.say("ends" if self.failure is None else f"ends before its time: {self.failure}")
+        self.say(f"ends{self._left()}" if self.failure is None else f"ends before its time: {self.failure}")
         with contextlib.suppress(OSError):
             self.stream.close()

@@ -174,6 +174,7 @@ class Summary(Observer):
             "discharged_kg_per_m": gone,
             "left_in_silo_kg_per_m": left,
             "error_over_first_mass": abs(gone + left - first) / first,
+            **({"outflow_ended": simulation.clock.ended} if simulation.clock.ended else {}),
         }
         return found | ({} if simulation.model.gates is None else {"outlets": self._outlets()})
 

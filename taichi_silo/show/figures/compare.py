@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from taichi_silo.runs.result import Result
 from taichi_silo.show.figures import draw_all
 from taichi_silo.show.figures.forces import ANGLE, FORCES, curve, displacement_unit
-from taichi_silo.show.figures.style import COLORS, REFERENCE, new_figure, start_at_zero
+from taichi_silo.show.figures.style import COLORS, REFERENCE, legend_below, new_figure, start_at_zero
 from taichi_silo.show.figures.wall_stress import STATES, STRESSES
 from taichi_silo.show.report.states import FORCES as KEYS
 from taichi_silo.show.report.states import reading_of, wall_profile
@@ -131,6 +131,8 @@ def _janssen_force(run: Result, name: str) -> float | None:
     """Janssen's P, T or N [N/m] at the law's own pressure ratio, or the angle of smooth walls [degrees]."""
     if name == "angle":
         return wall_angle_deg(run) if run.scene.walls.kind == "smooth" else None
+    if name != "P" and run.scene.silo.one_sided:  # the curve is of whole walls, the theory of what both have
+        return None
     return (run.summary.get("janssen") or {}).get(f"{KEYS[name][0]}_K0")
 
 
@@ -161,4 +163,4 @@ def _legend(figure, panels) -> None:
     """One legend below the panels, of all their labels, each once."""
     found = [zip(*reversed(panel.get_legend_handles_labels()), strict=True) for panel in panels]
     handles: dict[str, Any] = dict(itertools.chain.from_iterable(found))
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=2 if len(handles) > 3 else 1)
+    legend_below(figure, handles.values(), handles, 2 if len(handles) > 3 else 1)

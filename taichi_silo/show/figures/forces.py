@@ -7,9 +7,18 @@ from matplotlib.ticker import MaxNLocator
 
 from taichi_silo.runs.result import Result
 from taichi_silo.show import theory
-from taichi_silo.show.figures.style import BLUE, GREEN, REFERENCE, VERMILLION, new_figure, put_title, start_at_zero
+from taichi_silo.show.figures.style import (
+    BLUE,
+    GREEN,
+    REFERENCE,
+    VERMILLION,
+    legend_below,
+    new_figure,
+    put_title,
+    start_at_zero,
+)
 from taichi_silo.show.inclined_walls import inclined_walls
-from taichi_silo.show.report.words import length_unit
+from taichi_silo.show.report.words import kN, length_unit
 from taichi_silo.show.titles import title
 
 SMOOTHING = 0.005  # window of the median lines, as a fraction of the whole displacement
@@ -43,7 +52,7 @@ def run_forces_figure(run: Result) -> Figure | None:
         start_at_zero([panel], "y")
     origin = "T, N: mean of both walls" if theory.straight_m(run) else "T, N: mean of the inclined walls"
     if run.filled is not None:
-        origin += f"; weight W = {run.filled['weight_N_per_m'] / 1e3:.3g} kN/m"
+        origin += f"; weight W = {kN(run.filled['weight_N_per_m'])} kN/m"
     put_title(
         figure, f"Forces per metre {'of girth' if run.scene.silo.section == 'round' else 'run'}: {title(run)}", origin
     )
@@ -205,6 +214,6 @@ def x_axis(panel, group):
 def _legend_below(figure, panel, columns: int):
     """Put a panel's legend below the figure."""
     handles, labels = panel.get_legend_handles_labels()
-    legend = figure.legend(handles, labels, loc="outside lower center", ncols=min(columns, len(labels)))
-    for line in legend.get_lines():  # the light line of every row is too thin to be seen as a sample
+    legend = legend_below(figure, handles, labels, columns)
+    for line in legend.get_lines() if legend else ():  # the light line of every row is too thin to be seen as a sample
         line.set_linewidth(max(line.get_linewidth(), 1.6))

@@ -4,6 +4,7 @@ import logging
 import textwrap
 from typing import Any
 
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
@@ -46,7 +47,28 @@ def new_figure(width_in: float, height_in: float) -> Figure:
 def put_title(figure: Figure, *lines: str):
     """Put a title above a figure; a line that is too long for it goes on in the next one, which begins with no unit."""
     fitting = int(figure.get_figwidth() * 9.7)  # characters of its size
-    figure.suptitle("\n".join(textwrap.fill(line.replace(" mm", "\u00a0mm"), fitting) for line in lines))
+    whole = (line.replace(" mm", "\u00a0mm").replace(" = ", "\u00a0=\u00a0") for line in lines)
+    figure.suptitle("\n".join(_balanced(line, fitting) for line in whole))
+
+
+def _balanced(line: str, fitting: int) -> str:
+    """A line in as few lines of so many characters as it needs, all about as long as each other."""
+    needed = len(textwrap.wrap(line, fitting))
+    width = next(width for width in range(max(1, len(line) // max(needed, 1)), fitting + 1)
+                 if len(textwrap.wrap(line, width)) <= needed)  # fmt: skip
+    return textwrap.fill(line, width)
+
+
+def legend_below(figure: Figure, handles, labels, columns: int):
+    """Put a legend below the figure, in so many columns or as many as it has room for; returns it."""
+    handles, labels = list(handles), list(labels)
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    for number in range(min(columns, len(labels)), 0, -1):
+        legend = figure.legend(handles, labels, loc="outside lower center", ncols=number)
+        if number == 1 or legend.get_window_extent(renderer).width < figure.bbox.width:
+            return legend
+        legend.remove()
+    return None
 
 
 def start_at_zero(panels, axis: str):

@@ -63,7 +63,7 @@ def run_void_ratio_figure(run: Result) -> Figure | None:
     if not rows:
         return None
     fields = [field_of(run, row["file"]) for row in rows]
-    unit, per_m = length_unit(run.scene.silo.height_m)
+    unit, per_m = length_unit(max(run.scene.silo.height_m, run.scene.silo.width_m))
     norm, limits = color_range(fields), limits_of(fields, per_m)
     height = 4.8
     few = len(rows) < 3

@@ -6,7 +6,16 @@ from matplotlib.figure import Figure
 from taichi_silo.analysis.measure.wall_pressure import cell_mean
 from taichi_silo.runs.result import Result
 from taichi_silo.show import theory
-from taichi_silo.show.figures.style import BLACK, BLUE, REFERENCE, VERMILLION, new_figure, put_title, start_at_zero
+from taichi_silo.show.figures.style import (
+    BLACK,
+    BLUE,
+    REFERENCE,
+    VERMILLION,
+    legend_below,
+    new_figure,
+    put_title,
+    start_at_zero,
+)
 from taichi_silo.show.report.states import reading_of
 from taichi_silo.show.report.words import length_unit, mm
 from taichi_silo.show.titles import title
@@ -33,7 +42,7 @@ def run_wall_stress_figure(run: Result) -> Figure | None:
         fit_bold([panel])
     panels[0].set_ylabel(f"height above the initial bottom ({length_unit(run.scene.silo.height_m)[0]})")
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    legend_below(figure, handles, labels, 2)
     put_title(figure, f"Wall stresses: {title(run)}", legend(run))
     return figure
 
@@ -47,11 +56,13 @@ def legend(run: Result) -> str:
 
 
 def fit_bold(panels):
-    """Let the bold curves fill the axis: single nodes in a corner may stick out."""
-    bold = [line.get_xdata() for panel in panels for line in panel.get_lines() if line.get_linewidth() >= BOLD]
-    largest = np.nanmax(np.concatenate([[0.0], *bold]))
+    """Let the bold curves and the theories fill the axis: single nodes in a corner may stick out."""
+    lines = [line for panel in panels for line in panel.get_lines()]
+    bold = [line.get_xdata() for line in lines if line.get_linewidth() >= BOLD]
+    theories = [line.get_xdata() for line in lines if line.get_color() == REFERENCE]
+    largest, beyond = (np.nanmax(np.concatenate([[0.0], *found])) for found in (bold, theories))
     if largest > 0.0:
-        panels[0].set_xlim(right=1.35 * largest)
+        panels[0].set_xlim(right=max(1.35 * largest, 1.05 * beyond))
 
 
 def has_profiles(run: Result) -> bool:
@@ -105,8 +116,11 @@ def _draw_code(panel, run: Result, quantity: str, per_m: float):
     if code is None:
         return
     height, foot = np.linspace(0.0, code.height_m, 101), run.scene.silo.transition_m
-    stress = code.discharge_normal_Pa if quantity == "normal_stress_Pa" else code.discharge_shear_Pa
+    law = code.discharge_normal_Pa if quantity == "normal_stress_Pa" else code.discharge_shear_Pa
+    stress = np.asarray(law(code.height_m - height))
+    if not stress.max(initial=0.0) > 0.0:  # of a flat silo the code's surface lies below the floor at the wall
+        return
     panel.plot(
-        stress(code.height_m - height) / 1e3, per_m * (foot + height), color=REFERENCE, linestyle="-.",
+        stress / 1e3, per_m * (foot + height), color=REFERENCE, linestyle="-.",
         linewidth=1.0, zorder=3.4, label=f"EN 1991-4, discharge, its {code.solid.title}",
     )  # fmt: skip

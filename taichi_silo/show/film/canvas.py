@@ -12,7 +12,7 @@ from taichi_silo.show.film.furniture import furniture
 from taichi_silo.show.film.layout import WALL, Layout, View
 from taichi_silo.show.film.lettering import GREY, INK, fitting, font, title_lines
 
-HEADROOM = 1.1  # upper end of the axis of forces, times the weight
+HEADROOM = 1.1  # upper end of the axis of forces, times the weight or the largest force
 READING, CAPTION = 36, 27  # sizes of the letters
 
 
@@ -25,6 +25,7 @@ class Canvas:
     view : what is seen of the silo.
     walls : whether the left and the right side of the view are walls.
     weight_N_per_m : of the sand; of the heavier one of two runs beside each other.
+    largest_N_per_m : force that the curves reach.
     scale : of the colours.
     title : above everything.
     course : what the curves are drawn against.
@@ -34,11 +35,11 @@ class Canvas:
 
     def __init__(
         self, layout: Layout, view: View, walls: tuple[bool, bool], weight_N_per_m: float, scale: Scale, title: str,
-        course: Course, note: str = "",
+        course: Course, note: str = "", largest_N_per_m: float = 0.0,
     ):  # fmt: skip
         self.layout, self.view, self.walls, self.course = layout, view, walls, course
         self.panel, self.plot = layout.panel, layout.plot
-        self.top_force, self.title = HEADROOM * weight_N_per_m, title
+        self.top_force, self.title = HEADROOM * max(weight_N_per_m, largest_N_per_m), title
         self.furniture = furniture(layout, view, weight_N_per_m, scale, course, self.top_force, note)
         self.background = self._captions(self._walls(self._page()))
         # four digits at most: the readings must fit their columns

@@ -27,6 +27,7 @@ class Course(NamedTuple):
     end : where the axis ends, in its own SI unit (m or s).
     label, caption : of the axis and of the reading.
     unit, scale, digits : shown unit, its number in an SI unit, decimals of the reading.
+    per : what forces are per.
 
     """
 
@@ -36,6 +37,7 @@ class Course(NamedTuple):
     unit: str = "mm"
     scale: float = 1e3
     digits: int = 2
+    per: str = "metre run"
 
 
 class Curves:

@@ -41,6 +41,11 @@ class ForceRows:
         self.spread, self.note = np.repeat(self.forces[..., None], 2, axis=2), NOTE
         self.forces[flow], self.spread[flow] = median, spread
 
+    @property
+    def largest(self) -> float:
+        """Of the forces that are drawn [N/m]; 0 without any."""
+        return float(np.max(self.forces[np.isfinite(self.forces)], initial=0.0))
+
 
 def running(forces: np.ndarray, window: int) -> tuple[np.ndarray, np.ndarray]:
     """The running median (n, k) of columns, and the ends (n, k, 2) of their bands, over so many rows around each.

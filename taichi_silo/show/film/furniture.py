@@ -13,7 +13,7 @@ from taichi_silo.show.film.colour_bar import draw_scale
 from taichi_silo.show.film.curves import Course
 from taichi_silo.show.film.layout import WALL, Layout, View
 from taichi_silo.show.film.lettering import INK, fitting
-from taichi_silo.show.report.words import length_unit
+from taichi_silo.show.report.words import length_unit, number
 
 MISSING = (190, 190, 190)  # sand without a value
 LINE = 34  # height of the label of a tick, with air
@@ -58,7 +58,7 @@ def _sand(silo: Axes, layout: Layout, view: View, look: dict) -> None:
     """Draw the axes of the sand."""
     panel, zoom, ink = layout.panel, layout.zoom, look["color"]
     bottom_m = view.top - panel.rows / layout.pixels_per_metre
-    unit, per_m = length_unit(view.top - view.bottom)
+    unit, per_m = length_unit(max(view.top - view.bottom, view.right - view.left))
     across, along = (per_m * view.left, per_m * view.right), (per_m * bottom_m, per_m * view.top)
     silo.set(xlim=across, ylim=along, facecolor="#f3f3f3")
     silo.spines[:].set_visible(False)
@@ -97,7 +97,7 @@ def _forces(forces: Axes, layout: Layout, weight, course: Course, top_force: flo
     wide, high = plot.columns / zoom, plot.rows / zoom
     forces.set(xlim=(0, course.scale * course.end), ylim=(0, 1e-3 * top_force))
     forces.set_xlabel(course.label, fontsize=fitting(course.label, 28, zoom, plot.columns + 100 * zoom), color=ink)
-    name = "force per metre (kN/m)"
+    name = f"force per {course.per} (kN/m)"
     forces.set_ylabel(name, fontsize=fitting(name, 30, zoom, plot.rows), color=ink, labelpad=12)
     forces.xaxis.set_major_locator(MaxNLocator(6 if wide > 450 else max(2, int(wide / 90)), steps=[1, 2, 2.5, 5, 10]))
     if high < 400:
@@ -107,10 +107,17 @@ def _forces(forces: Axes, layout: Layout, weight, course: Course, top_force: flo
     forces.spines[["top", "right"]].set_visible(False)
     forces.spines[["left", "bottom"]].set(linewidth=2, color=ink)
     forces.axhline(1e-3 * weight, color="#777777", linewidth=2.5, linestyle=(0, (6, 4)))
-    words = f"weight of the sand {1e-3 * weight:.4g} kN/m"
+    words = f"weight of the sand {number(1e-3 * weight, 4)} kN/m"
     size = fitting(words, 26, zoom, 0.97 * plot.columns)
     forces.text(
-        0.985, 1 / 1.1 - 0.015, words, transform=forces.transAxes, fontsize=size, color="#555555", ha="right", va="top"
+        0.985,
+        weight / top_force - 0.015,
+        words,
+        transform=forces.transAxes,
+        fontsize=size,
+        color="#555555",
+        ha="right",
+        va="top",
     )
     if note:
         size = min(fitting(note, 26, zoom, 0.97 * plot.columns), 0.07 * high)

@@ -31,12 +31,14 @@ class Picture:
     weight_N_per_m : to which the axis of forces reaches, if it is not its own.
     at_most : pixels per metre.
     note : what the curves are, if there is something to say.
+    largest_N_per_m : force that the curves reach; their axis ends beyond it.
 
     """
 
     def __init__(
         self, scene: Scene, scale: Scale, course: Course, look: Look = WHOLE, size: tuple[int, int] | None = None,
         weight_N_per_m: float = 0.0, at_most: float = math.inf, note: str = "",
+        largest_N_per_m: float = 0.0,
     ):  # fmt: skip
         silo, self.scale, self.sinks, self.look = scene.silo, scale, scene.silo.floor_is_outlet, look
         self.plate_m, self.far_below = plate_m(scene), -10.0 * silo.height_m
@@ -45,7 +47,7 @@ class Picture:
         walls = view.left < 1e-9, view.right > silo.width_m - 1e-9
         words = title(scene) if look.title is None else look.title
         weight = max(weight_N_per_m, scene.weight_N_per_m)
-        self.canvas = Canvas(layout, view, walls, weight, scale, words, course, note)
+        self.canvas = Canvas(layout, view, walls, weight, scale, words, course, note, largest_N_per_m)
         self.raster = SandRaster(
             layout.panel.columns, layout.panel.rows, layout.pixels_per_metre, view.top, scene.spacing_m, scale.colours,
             () if self.sinks else floors(silo) + silo.solids(), view.left,
@@ -93,11 +95,12 @@ def without_white(frame: np.ndarray) -> np.ndarray:
 
 def course_of(scene: Scene) -> Course:
     """What the curves of a scene are drawn against."""
+    per = "metre of girth" if scene.silo.section == "round" else "metre run"
     if scene.flow.outflow == "gravity":
-        return Course(scene.flow.longest_s, "time since the outlet opened (s)", "open since", "s", 1.0)
+        return Course(scene.flow.longest_s, "time since the outlet opened (s)", "open since", "s", 1.0, per=per)
     unit, per_m = length_unit(scene.flow.displacement_m)
     what = "bottom displacement u" if scene.silo.floor_is_outlet else "displacement u of the outlet"
-    return Course(scene.flow.displacement_m, f"{what} ({unit})", unit=unit, scale=per_m)
+    return Course(scene.flow.displacement_m, f"{what} ({unit})", unit=unit, scale=per_m, per=per)
 
 
 def floors(silo) -> list[np.ndarray]:

@@ -53,6 +53,7 @@ class Renderer:
         self.forces, self.told = ForceRows(history), 0
         self.course = course or course_over(history)
         self.by_time = course is not None
+        page = {"largest_N_per_m": self.forces.largest} | page
         self.picture = Picture(history.scene, self.scale, self.course, look, note=self.forces.note, **page)
 
     def _values(self, points: dict[str, np.ndarray]) -> np.ndarray:
@@ -141,10 +142,21 @@ class Pair:
         course = Course(end, "time since the flow began (s)", "flows since", "s", 1.0)
         self.stacked, self.half = halves(look)
         weight = max(history.scene.weight_N_per_m for history in histories)
+        largest = max(ForceRows(history).largest for history in histories)
         views = [view_of(history.scene, look) for history in histories]
         at_most = min(look.page(view, size=self.half).pixels_per_metre for view in views)
         self.sides = [
-            Renderer(history, look, kept, course, scale, size=self.half, weight_N_per_m=weight, at_most=at_most)
+            Renderer(
+                history,
+                look,
+                kept,
+                course,
+                scale,
+                size=self.half,
+                weight_N_per_m=weight,
+                at_most=at_most,
+                largest_N_per_m=largest,
+            )
             for history, kept in zip(histories, states, strict=True)
         ]
         self.scale = scale

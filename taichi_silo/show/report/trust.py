@@ -59,6 +59,13 @@ CHECKS = (  # name, key of the certificate, upper limit of the size, of which ru
     ),
 )  # fmt: skip
 
+REMEDIES = {  # of what is outside of its limit
+    "at rest before flow": "a greater method.longest_settling_s lets it come to rest",
+    "inertial number": "a smaller flow.speed_m_per_s helps",
+    "noise of N": "a smaller flow.speed_m_per_s helps, and a greater method.filling_time_s",
+    "unexplained densification": 'method.noise_control = "column" and a greater method.filling_time_s help',
+}
+
 
 @dataclass(frozen=True)
 class CertificateCheck:
@@ -98,9 +105,13 @@ def verdict(run: Result) -> Verdict:
         words = f"Outside of its limit: {', '.join(broken)}. A run in which this does not hold is wrong."
         return Verdict("bad", "Not to be trusted", words, checks)
     count = f"{len(judged) - len(wrong)} of {len(judged)} numbers are within their limits"
+    if (run.summary.get("ledger") or {}).get("outflow_ended") == "jam":
+        jam = next((words for words in run.summary.get("warnings", []) if words.startswith("The flow has jammed")), "")
+        return Verdict("care", "The flow has jammed", f"{jam} {sentence(count)}".strip(), checks)
     if wrong:
         title = "To be read with care"
-        return Verdict("care", title, sentence(f"{count}; outside: {', '.join(wrong)}"), checks)
+        told = [f"{name} ({REMEDIES[name]})" if name in REMEDIES else name for name in wrong]
+        return Verdict("care", title, sentence(f"{count}; outside: {', '.join(told)}"), checks)
     if not judged:
         return Verdict("bad", "No certificate", "The summary holds none of its numbers.", checks)
     if run.free:

@@ -2,10 +2,11 @@
 
 import contextlib
 import shutil
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -31,14 +32,34 @@ class DaskPool(ProcessPool):
     def __init__(self, client, jobs: int, retries: int):
         super().__init__(jobs, retries)
         self.client = client
+        self.refusal = ""
+        self._waiting: list[Future] = []
+
+    def refuse(self, sentence: str) -> None:
+        """Begin no more tasks, and give up those that wait, because nothing will ever do them."""
+        self.refusal = sentence
+
+        def give_up() -> None:
+            for future in list(self._waiting):
+                future.cancel()
+
+        threading.Thread(target=give_up, daemon=True).start()  # a client that is told in its own thread waits for ever
 
     @contextlib.contextmanager
     def _workers(self, heard: Callable[[str, float], None]) -> Iterator[Callable[[Task], Future]]:
         """A function that submits a task; `heard` hears what workers say, as events of a topic of this pool."""
         self.client.subscribe_topic(self.key, lambda event: heard(*event[1]))
         executor = self.client.get_executor(pure=False)
+
+        def submit(task: Task) -> Future:
+            future = executor.submit(at_worker, task, self.key, self.retries, priority=task.seconds)
+            self._waiting.append(future)
+            if self.refusal:
+                future.cancel()
+            return future
+
         try:
-            yield lambda task: executor.submit(at_worker, task, self.key, self.retries, priority=task.seconds)
+            yield submit
         finally:
             with contextlib.suppress(Exception):  # a scheduler that is gone
                 self.client.unsubscribe_topic(self.key)
@@ -54,6 +75,8 @@ class DaskPool(ProcessPool):
         """Why a task failed; empty if it did not."""
         from distributed import KilledWorker
 
+        if future.cancelled() and self.refusal:
+            return self.refusal
         error = None if future.cancelled() else future.exception()
         if isinstance(error, KilledWorker):
             return f"{error.allowed_failures + 1} workers died while they ran it"
@@ -105,6 +128,9 @@ class Slurm(Options):
     queue: str | None = Field(None, description="partition")
     account: str | None = None
     interface: str | None = Field(None, description="network on which the workers reach this machine, such as ib0")
+    leave_out: tuple[str, ...] = Field(
+        (), description="lines of #SBATCH that the site forbids, such as --mem and --cpus-per-task"
+    )
     job_extra: tuple[str, ...] = Field((), description="more lines of #SBATCH, such as --exclusive")
     prologue: tuple[str, ...] = Field((), description="lines of the job before the workers, such as module load python")
 
@@ -127,12 +153,20 @@ class Slurm(Options):
     def pool(self, folder: Path, runs: int, retries: int) -> Iterator[ProcessPool]:
         """What does the runs: jobs, of which no more are needed than the runs fill; others follow those that end."""
         jobs = min(self.jobs, -(-runs // self.cores))
-        with dask_settings(retries), self.cluster(folder) as cluster:
-            cluster.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
-            with cluster.get_client() as client:
-                yield DaskPool(client, self.at_once, retries)
+        from taichi_silo.studies.sweep.slurm_jobs import Submissions
 
-    def cluster(self, folder: Path):
+        submissions = Submissions()
+        with (
+            dask_settings(retries),
+            self.cluster(folder, submissions.job_class()) as cluster,
+            cluster.get_client() as client,
+        ):
+            pool = DaskPool(client, self.at_once, retries)
+            submissions.refused = pool.refuse
+            cluster.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
+            yield pool
+
+    def cluster(self, folder: Path, job_class: Any = None):
         """The cluster, before any job; what the jobs say goes to `folder`/slurm.
 
         A job is one worker, a thread of which waits for each run: only of such jobs it is noticed that they ended.
@@ -147,6 +181,7 @@ class Slurm(Options):
             job_extra_directives=list(self.job_extra), job_script_prologue=list(self.prologue),
             job_name="taichi-silo", log_directory=str(folder / "slurm"), worker_extra_args=["--no-dashboard"],
             scheduler_options={"dashboard": False, "dashboard_address": ":0"},
+            job_directives_skip=list(self.leave_out), job_cls=job_class,
         )  # fmt: skip
 
 
