@@ -85,7 +85,7 @@ def steps(scene: Scene) -> int:
     fraction = SHAPES[scene.grid.shape](0.5 / math.isqrt(scene.grid.points_per_cell)).stable_fraction
     fraction = STEP_SAFETY * fraction if method.cfl is None else method.cfl
 
-    speed_of_flow = 0.0 if scene.flow.outflow == "gravity" else scene.flow.speed_m_per_s
+    speed_of_flow = 0.0 if scene.flow.free else scene.flow.speed_m_per_s
 
     def count(span: float, wave: float) -> int:
         """Steps of one interval."""
@@ -130,7 +130,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
     """
     model, solver, points = simulation.model, simulation.solver, simulation.model.particles.arrays()
     model.particles.load(_at_rest(model, points))
-    speed = 0.0 if model.scene.flow.outflow == "gravity" else model.scene.flow.speed_m_per_s  # the gate stays shut
+    speed = 0.0 if model.scene.flow.free else model.scene.flow.speed_m_per_s  # the gate stays shut
     rates: list[float] = []
     machine = model.scene.machine
     # of one thread its own time, which other programs on the machine do not lengthen

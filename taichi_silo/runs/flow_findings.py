@@ -49,7 +49,7 @@ def flow_findings(filled: dict, before: dict, now: dict, scene: Scene) -> dict:
             "stagnant_area_share": pattern.stagnant_area_share,
             "between_s": [before["time_s"], now["time_s"]],
         }
-    if outflow > 0.0 and not silo.floor_is_outlet:  # sand on a bottom that sinks as a whole stays on it
+    if outflow > 0.0 and silo.has_opening:  # sand on a bottom that sinks as a whole stays on it
         stay = residence(place, velocity, volume, silo.width_m, outflow, silo.outlet_m)
         found["residence"] = {
             "plug_time_s": stay.plug_time_s,

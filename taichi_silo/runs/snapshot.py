@@ -15,7 +15,7 @@ SHOWN, SHOWN_OF_FREE = (0.1, 0.25, 0.5, 1.0), (0.02, 0.1, 0.3, 1.0)
 
 def shown_displacements(flow: Flow) -> list[float]:
     """Displacements [m] of the bottom, after 0, at which figures show the state of a run."""
-    shares = SHOWN_OF_FREE if flow.outflow == "gravity" else SHOWN
+    shares = SHOWN_OF_FREE if flow.free else SHOWN
     return [share * flow.displacement_m for share in shares]
 
 

@@ -74,7 +74,7 @@ def theory_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> dict:
                 "wall_force_N_per_m": float(girths * hopper.wall_force_N_per_m),
                 "outlet_force_N_per_m": float(girths * hopper.outlet_force_N_per_m),
             }
-    if not silo.floor_is_outlet:
+    if silo.has_opening:
         grain, density = scene.sand.d50_m, scene.density_kg_per_m3
         if silo.section == "round":
             rate = beverloo.orifice_rate_kg_per_s(right - left, density, grain, gravity_m_per_s2=g)

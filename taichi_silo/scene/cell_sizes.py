@@ -26,7 +26,9 @@ def whole(length_m: float, size_m: float | np.ndarray) -> np.ndarray:
 
 
 def edges(silo: "Silo") -> tuple[float, ...]:
-    """Places x that must lie on the grid: the edges of an outlet in the floor [m]."""
+    """Places x that must lie on the grid: the edges of an outlet in the floor, the sides of a column [m]."""
+    if silo.column_m is not None:
+        return silo.column_m
     return silo.outlet_m if silo.outlet is not None else ()
 
 

@@ -4,7 +4,7 @@ import math
 
 from pydantic import Field, field_validator
 
-from taichi_silo.scene import cell_sizes
+from taichi_silo.scene import cell_sizes, fill_shape
 from taichi_silo.scene.method_options import Shape
 from taichi_silo.scene.silo import Silo
 from taichi_silo.utils.messages import shown
@@ -71,11 +71,22 @@ class Mesh(Options):
                 f"outlet width is {right - left:g} m; on cells of {h} m it must be at least {2 * h:g} m: "
                 f"{cell_sizes.remedy(silo, h)}"
             )
+        left, right = fill_shape.sides_m(silo)
+        if right - left < 2.0 * h * (1.0 - 1e-9):
+            raise ValueError(
+                f"column is {right - left:g} m wide; on cells of {h} m it must be at least {2 * h:g} m: "
+                f"{cell_sizes.remedy(silo, h)}"
+            )
         edge = next((edge for edge in cell_sizes.edges(silo) if not cell_sizes.whole(edge, h)), None)
         if silo.outlet is not None and edge is not None:
             raise ValueError(
                 f"outlet width is {silo.outlet.width_m} m; its edge at x = {edge:g} m must lie on the grid, whose "
                 f"lines are {h} m apart: {cell_sizes.remedy(silo, h)}"
+            )
+        if silo.column_m is not None and edge is not None:
+            raise ValueError(
+                f"side of the column at x = {edge:g} m must lie on the grid, whose lines are {h} m apart: "
+                f"{cell_sizes.remedy(silo, h)}"
             )
         if silo.section == "round" and round(silo.width_m / h) % 2:
             raise ValueError(

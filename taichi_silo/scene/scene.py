@@ -180,6 +180,11 @@ class Scene(Options):
         self.averaging.check(self.sand, self.spacing_m, self.points, self.silo.width_m)
         if self.averaging.wall == "rigid" and self.walls.kind != "very-rough":
             raise ValueError(f"walls are {self.walls.kind}; in an average with rigid walls they must be very rough")
+        if self.sand.layers and self.sand.layers[-1].from_m >= self.silo.height_m:
+            raise ValueError(
+                f"the highest layer of sand begins at {self.sand.layers[-1].from_m} m; it must be below the height of "
+                f"{self.silo.height_m} m"
+            )
         half_model(self)
         self._check_outflow()
         self.eurocode.check(self.silo)
@@ -196,6 +201,10 @@ class Scene(Options):
         silo, flow = self.silo, self.flow
         if flow.outflow == "gravity" and silo.floor_is_outlet:
             raise ValueError("outflow is gravity; the silo needs an outlet or a hopper that sand can fall out of")
+        if flow.outflow == "collapse" and silo.column_m is None:
+            raise ValueError("outflow is collapse; the silo needs a column (silo.column_m) whose walls are taken away")
+        if flow.outflow != "collapse" and silo.column_m is not None:
+            raise ValueError(f"outflow is {flow.outflow}; a column can only collapse (flow.outflow = collapse)")
         most = silo.area_m2 / silo.outlet_share_m
         if silo.floor_is_outlet and flow.displacement_m > silo.height_m:
             raise ValueError(
@@ -225,7 +234,8 @@ class Scene(Options):
         """Number of material points; of a round silo those of its section from wall to wall."""
         d, silo = self.spacing_m, self.silo
         columns, rows = round(silo.width_m / d), round(silo.height_m / d)
-        if silo.floor_is_outlet or columns * rows > MOST_POINTS:
+        box = silo.floor_is_outlet and silo.surface_m is None
+        if box or columns * rows > MOST_POINTS:
             return columns * rows
         return silo.points(d)
 
@@ -237,9 +247,20 @@ class Scene(Options):
         return max(FEWEST_SNAPSHOTS, min(SNAPSHOTS, MOST_STATES // self.points))
 
     @property
+    def mean_void_ratio(self) -> float:
+        """Void ratio of the whole fill: that of its sand, or voids over solids of all layers."""
+        sand, silo = self.sand, self.silo
+        if not sand.layers:
+            return sand.void_ratio
+        levels = [0.0, *(layer.from_m for layer in sand.layers), silo.height_m]
+        areas = [silo.area_between(low, high) for low, high in zip(levels[:-1], levels[1:], strict=True)]
+        ratios = [sand.void_ratio, *(layer.void_ratio for layer in sand.layers)]
+        return sum(areas) / sum(area / (1.0 + ratio) for area, ratio in zip(areas, ratios, strict=True)) - 1.0
+
+    @property
     def density_kg_per_m3(self) -> float:
         """Bulk density of the fill: grain density / (1 + void ratio) [kg/m3]."""
-        return self.sand.grain_density_kg_per_m3 / (1.0 + self.sand.void_ratio)
+        return self.sand.grain_density_kg_per_m3 / (1.0 + self.mean_void_ratio)
 
     @property
     def weight_N_per_m(self) -> float:

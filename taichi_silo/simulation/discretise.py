@@ -16,12 +16,12 @@ from taichi_silo.mpm.runtime import threads
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.walls import Coulomb, Edges, Frictionless, Gate, NoSlip, OpenFloor, PlaneWall, Surface
 from taichi_silo.mpm.walls.outlets import pace_of_edge
-from taichi_silo.scene import polygons
+from taichi_silo.scene import fill_shape, polygons
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow
 from taichi_silo.simulation.model import Model
 from taichi_silo.simulation.section import Section
-from taichi_silo.simulation.wall_forces import WallForces
+from taichi_silo.simulation.wall_forces import LEFT, RIGHT, WallForces
 
 HEADROOM = 0.1  # of the fill height, free above it; more where sand hangs on a very rough wall while the grid sinks
 
@@ -32,14 +32,16 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
     """The model of a scene, with the noise control that it asks for or another; Taichi has been started."""
     section, law, method = Section.of(scene), scene.law, scene.method
     shape = SHAPES[scene.grid.shape](0.5 / math.isqrt(scene.grid.points_per_cell))
-    density = law.grain_density / (1.0 + scene.sand.void_ratio)
+    density = law.grain_density / (1.0 + scene.mean_void_ratio)
     grid = grid_of(scene, section, threads())
-    fill = fill_of(scene, section, law, density)
+    fill = fill_of(scene, section, law)
     particles = Particles(len(fill["mass"]), Particles.extras(law, shape, method.transfer_of_points()))
     fill = {name: values for name, values in fill.items() if name in particles.names}
     particles.load(fill)
     kernel, about_averaging = scene.averaging.kernel(scene.sand, scene.spacing_m)
     walls, surfaces = walls_of(scene, section, grid), surfaces_of(scene, section)
+    sides = {"free_left": LEFT, "free_right": RIGHT}
+    beside = tuple((number, sides[wall.name]) for number, wall in enumerate(walls) if wall.name in sides)
     period = period_of(scene)
     return Model(
         scene=scene,
@@ -62,7 +64,7 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
         about_averaging=about_averaging,
         walls=walls,
         surfaces=surfaces,
-        wall_forces=WallForces(section, paces(walls, grid), tuple(surface.name for surface in surfaces)),
+        wall_forces=WallForces(section, paces(walls, grid), tuple(surface.name for surface in surfaces), beside),
     )
 
 
@@ -71,7 +73,8 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
 
 def wave_speed_of(scene: Scene) -> float:
     """Upper bound of the speed of a plane wave at half the height of the filled silo [m/s]; Taichi has been started."""
-    law, e = scene.law, scene.sand.void_ratio
+    law = scene.law
+    e = min([scene.sand.void_ratio, *(layer.void_ratio for layer in scene.sand.layers)])
     gravity = scene.method.gravity_m_per_s2 / scene.method.mass_scaling
     middle = 0.5 * law.grain_density / (1.0 + e) * gravity * scene.silo.height_m
     return wave_speed(law, (-0.5 * middle, -middle, -0.5 * middle, 0.0), e)
@@ -86,7 +89,8 @@ def noise_control(scene: Scene, period: float) -> NoiseControl:
     """What the scene asks for, scaled to the period of its column [s]."""
     if scene.method.noise_control == "none":
         return NoiseControl()
-    return NoiseControl.for_column(period, scene.silo.height_m / scene.silo.width_m)
+    left, right = fill_shape.sides_m(scene.silo)
+    return NoiseControl.for_column(period, scene.silo.height_m / (right - left))
 
 
 # --- grid and points --------------------------------------------------------------------------------------------------
@@ -114,13 +118,14 @@ def grid_of(scene: Scene, section: Section, copies: int) -> Grid:
     return Grid(section.width, rows_of_cells(scene) * h, h, copies=copies, follows=follows)
 
 
-def fill_of(scene: Scene, section: Section, law: GudehusBauer | Intergranular, density: float) -> dict[str, np.ndarray]:
+def fill_of(scene: Scene, section: Section, law: GudehusBauer | Intergranular) -> dict[str, np.ndarray]:
     """Fields of the points of the full silo, row after row from the floor, without stress."""
     d = scene.spacing_m
     x, y, volume = scene.silo.lattice(d)
     computed = (x > section.shift) & (x < section.shift + section.width)
     x, y, volume = x[computed] - section.shift, y[computed], volume[computed]
     count, volume = len(x), volume * section.geometry.depth(x)
+    density = law.grain_density / (1.0 + scene.sand.void_ratio_at(y))
     state = {
         "position": np.stack([x, y], axis=1),
         "velocity": np.broadcast_to(0.0, (count, 2)),  # what all points have alike takes no room
@@ -155,7 +160,10 @@ def side_contact(scene: Scene, friction_angle_deg: float | None = None) -> Coulo
 
 
 def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
-    """Left, right, bottom; or left, right, and floor, edges (both empty above an open hopper) and gate."""
+    """Left, right, bottom; or left, right, and floor, edges (both empty above an open hopper) and gate.
+
+    Of a column left, right, bottom, and the walls that are taken away: they recede faster than the sand can follow.
+    """
     silo, h, side = scene.silo, scene.grid.cell_size_m, side_contact(scene)
     low = tuple(MARGIN + math.ceil(foot / h - 1e-9) if foot else 0 for foot in silo.feet_m)
     left, right = grid.node_along(0.0), grid.node_along(section.width)
@@ -172,10 +180,26 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
         fade = max(1.0, FADE * silo.width_m / h)
         fading = [replaced(wall, fade=fade) if isinstance(wall.contact, NoSlip) else wall for wall in sides]
         return (*fading, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0)))
+    if silo.column_m is not None:
+        return (*sides, PlaneWall("bottom", 1, -1, floor, plate), *_free_walls(scene, section, grid))
     first, last = _edges(scene, section, grid)
     pace = pace_of_edge(last - MARGIN if section.round else None, math.isqrt(scene.grid.points_per_cell))
     edges = Edges(floor, first, last, plate, motion=(0.0, pace))
     return (*sides, OpenFloor(floor, first, last, plate), edges, Gate(floor, first, last, plate))
+
+
+def _free_walls(scene: Scene, section: Section, grid: Grid) -> list[PlaneWall]:
+    """The smooth walls that hold a column until it collapses."""
+    found = []
+    for name, side, place, free in zip(
+        ("free_left", "free_right"), (-1, 1), fill_shape.sides_m(scene.silo), fill_shape.free_walls(scene.silo),
+        strict=True,
+    ):  # fmt: skip
+        inside = 0.0 < place - section.shift < section.width
+        if free and inside:
+            node = grid.node_along(place - section.shift)
+            found.append(PlaneWall(name, 0, side, node, Coulomb(), motion=(-float(side), 0.0)))
+    return found
 
 
 def paces(walls: tuple[Wall, ...], grid: Grid) -> np.ndarray:

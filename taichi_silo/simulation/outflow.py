@@ -1,7 +1,9 @@
-"""How the sand gets out of the silo: the bottom or a gate sinks at a given speed, or the gate is opened.
+"""How the sand gets out: the bottom or a gate sinks at a given speed, the gate is opened, or a column collapses.
 
 The next interval follows from the clock and the points, so the flow can be left at a record and gone on with.
 """
+
+import math
 
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.scene.scene import Scene
@@ -14,12 +16,14 @@ SHORT, LANDING = 0.5, 0.6  # of an interval and of a time step in free outflow: 
 LONGER = 1.05  # at most, a step against that of the interval before: where sand has landed, more will
 REACH = 0.35  # of a cell: by more, no sand may pass the exit within an interval
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
+STILL = 0.005  # of the root of g H: mean speed below which a collapsed column rests,
+RESTING = 1.0  # if it lasts for so many times the root of H / g
 
 
 def duration(scene: Scene, period: float) -> float:
     """Of the flow of a column with this period, at most [s]."""
     flow = scene.flow
-    if flow.outflow == "gravity":
+    if flow.free:
         return flow.longest_s
     return flow.displacement_m / flow.speed_m_per_s + 0.5 * start(scene, period)
 
@@ -33,14 +37,14 @@ def start(scene: Scene, period: float) -> float:
 
 def control(model: Model) -> NoiseControl:
     """The noise control in flow: of free outflow only its relaxation, as its drag would brake what accelerates."""
-    if model.scene.flow.outflow == "gravity" and model.control.drag:
+    if model.scene.flow.free and model.control.drag:
         return NoiseControl(relaxation=model.control.relaxation)
     return model.control
 
 
 def next_interval(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None:
     """The next interval of the flow that the scene asks for, None at its end; the fastest point has this speed."""
-    if model.scene.flow.outflow == "gravity":
+    if model.scene.flow.free:
         return _free(model, clock, fastest_m_per_s)
     return _controlled(model, clock)
 
@@ -63,17 +67,31 @@ def _controlled(model: Model, clock: Clock) -> Interval | None:
 
 
 def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None:
-    """Let the sand fall until the flow has stopped, enough has left, or the time is over."""
+    """Let the sand move until it has stopped, enough has left or a front has run far enough, or the time is over."""
     flow = model.scene.flow
     if (
         clock.flow_start is None
         or clock.time >= clock.flow_start + flow.longest_s
         or clock.displacement >= flow.displacement_m
         or not model.particles.number
-        or clock.time - clock.left_at >= AT_REST_S
+        or clock.time - clock.left_at >= _rest(model)
     ):
         return None
     reach = REACH * model.scene.grid.cell_size_m
     fastest = fastest_m_per_s + model.gravity * model.interval
     duration = min(SHORT * model.interval, reach / fastest)
     return Interval(duration, plate_velocity=(OPENED, OPENED), growth=LANDING, longer=LONGER)
+
+
+def _rest(model: Model) -> float:
+    """How long nothing may move, or leave, before the flow is over [s]."""
+    if model.scene.flow.outflow == "collapse":
+        return RESTING * math.sqrt(model.scene.silo.height_m / model.gravity)
+    return AT_REST_S
+
+
+def spreads(model: Model, kinetic_energy_J_per_m: float) -> bool:
+    """Whether the sand of a column still moves, by its kinetic energy (that of the computed part)."""
+    mass = model.mass / model.section.factor
+    speed = STILL * math.sqrt(model.gravity * model.scene.silo.height_m)
+    return kinetic_energy_J_per_m > 0.5 * mass * speed**2

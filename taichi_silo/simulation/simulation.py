@@ -8,10 +8,11 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from taichi_silo.analysis.measure.surface_profile import SurfaceProfile
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.scene import known_limits
+from taichi_silo.scene import fill_shape, known_limits
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow, restart
 from taichi_silo.simulation.alarm import Alarm, Alarms
@@ -53,7 +54,7 @@ class Simulation:
         self.clock, self.filling = Clock(), filling.Progress()
         self.warnings, self.alarms = known_limits.of_method(scene), Alarms()
         self.discharge = None
-        if not scene.silo.floor_is_outlet:
+        if scene.silo.has_opening:
             left, right = (edge - model.section.shift for edge in scene.silo.outlet_m)
             self.discharge = Discharge(model.particles, -EXIT * scene.grid.cell_size_m, (left, right), model.spacing)
         self.identity = np.arange(model.particles.count)
@@ -123,7 +124,9 @@ class Simulation:
         clock.time += duration
         clock.steps += steps
         self._let_go()
-        if interval.gate_is_open:
+        if model.scene.flow.outflow == "collapse":
+            clock.displacement = self._run_out()
+        elif interval.gate_is_open:
             clock.displacement = self.discharged / (model.density * model.scene.silo.outlet_share_m)
         else:
             clock.displacement -= interval.travel
@@ -187,7 +190,11 @@ class Simulation:
         self.identity = np.concatenate([self.identity[: len(there["mass"])], chosen])
 
     def _let_go(self) -> None:
-        """Count what has passed the opening, and take out what has passed the exit."""
+        """Count what has passed the opening, and take out what has passed the exit; see whether a column spreads."""
+        if self.clock.stage == "flow" and self.scene.flow.outflow == "collapse":
+            if outflow.spreads(self.model, self.sums.kinetic_energy):
+                self.clock.left_at = self.clock.time
+            return
         if self.discharge is None or self.clock.stage != "flow":
             return
         kept = self.discharge.take_out()
@@ -198,6 +205,21 @@ class Simulation:
         a_point = self.model.mass / self.model.section.factor / self.model.particles.count
         if self.discharge.flows(a_point):
             self.clock.left_at = self.clock.time
+
+    def _run_out(self) -> float:
+        """How far the farther front of a column has run [m]."""
+        if self.clock.stage != "flow":
+            return 0.0
+        model, silo = self.model, self.scene.silo
+        x, area = model.particles.array("position")[:, 0], model.particles.array("volume")
+        profile = SurfaceProfile.of(
+            x, area / model.section.geometry.depth(x), model.spacing, 0.0, model.section.width,
+            round(model.section.width / model.spacing),
+        )  # fmt: skip
+        left, right = (side - model.section.shift for side in fill_shape.sides_m(silo))
+        half = 0.5 * model.spacing
+        first, last = profile.fronts_m(float(np.clip(0.5 * (left + right), half, model.section.width - half)))
+        return max(0.0, *(left - first if left > first else 0.0, last - right if last > right else 0.0))
 
     @property
     def held_mass(self) -> float:

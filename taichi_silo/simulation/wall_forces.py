@@ -34,12 +34,14 @@ class WallForces:
     paces : vertical velocity of the solver's walls on grid lines (walls, slots), as multiples of the speed at which the
         sand is let out: left, right, and the bottom or floor, edges of the opening and gate.
     bodies : names of the walls that do not, hopper walls and inserts, in the solver's order.
+    beside : numbers of the solver's walls that hold a column, each with the left or right wall that it counts to.
 
     """
 
     section: Section
     paces: np.ndarray
     bodies: tuple[str, ...]
+    beside: tuple[tuple[int, int], ...] = ()
 
     @property
     def on_grid(self) -> int:
@@ -56,8 +58,11 @@ class WallForces:
 
         Nodal forces are those over the width that a node has: cell size times stress [N/m].
         """
-        bottom = impulse[BOTTOM : self.on_grid].sum(axis=0)
+        on_floor = impulse[BOTTOM : self.on_grid - len(self.beside)]
+        bottom = on_floor.sum(axis=0)
         own = np.concatenate([impulse[:BOTTOM], bottom[None], impulse[self.on_grid :]]) / duration
+        for number, wall in self.beside:
+            own[wall] += impulse[number] / duration
         forces = self._of_both_sides(own)
         total = dict(zip(self.names, forces.sum(axis=1), strict=True))
         columns = {"bottom_force_N_per_m": normal_and_shear("bottom", total["bottom"])[0]}

@@ -29,7 +29,7 @@ def space(scene: Scene) -> shapely.Geometry:
     free = silo.height_m + scene.filling.drop_m + scene.flow.displacement_m
     above = shapely.box(left[-1, 0], left[-1, 1], right[-1, 0], left[-1, 1] + free)
     found = shapely.union(shapely.Polygon(np.concatenate([right, left[::-1]])), above)
-    if not silo.floor_is_outlet:
+    if silo.has_opening:
         first, last = silo.outlet_m
         found = shapely.union(found, shapely.box(first, -BELOW * h, last, 0.0))
         found = shapely.union(found, shapely.box(first - BESIDE * h, -BELOW * h, last + BESIDE * h, -OUTSIDE * h))

@@ -37,8 +37,8 @@ class Check:
 
     @property
     def free(self) -> bool:
-        """Whether sand falls out freely."""
-        return self.simulation.scene.flow.outflow == "gravity" and self.simulation.stage == "flow"
+        """Whether sand moves by its weight alone."""
+        return self.simulation.scene.flow.free and self.simulation.stage == "flow"
 
     def at_most(self, alarm: Alarm, measure: Callable[[dict[str, np.ndarray]], np.ndarray]) -> Alarm:
         """The alarm at the point where a measure of the points is greatest."""

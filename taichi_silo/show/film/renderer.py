@@ -46,7 +46,7 @@ class Renderer:
         self.history, self.field = history, field_of(look.field)
         silo = history.scene.silo
         way = (
-            None if silo.floor_is_outlet else Way(*silo.outlet_m, whole(history.scene).bottom - history.scene.spacing_m)
+            Way(*silo.outlet_m, whole(history.scene).bottom - history.scene.spacing_m) if silo.has_opening else None
         )
         self.between = Between(states or history, self._values, way)
         self.scale = scale or scale_of(history, look, states is not None)

@@ -69,7 +69,7 @@ class Ladder:
         """Speed of the bottom in the main runs: the scene's own, doubled as often as sand still follows slowly."""
         own, flow = self.scene.flow.speed_m_per_s, self.scene.flow
         most = SLOW * math.sqrt(self.scene.method.gravity_m_per_s2 * self.scene.silo.width_m)
-        if flow.outflow == "gravity" or own >= most:
+        if flow.free or own >= most:
             return own
         return own * FASTER ** math.floor(math.log(most / own, FASTER) + 1e-9)
 
