@@ -4,8 +4,8 @@ Source: Lube, Huppert, Sparks and Freundt (Phys. Rev. E 72 (2005) 041301), dry g
 run-out (L - L0) / L0 is 1.2 a for a < 1.8 and 1.9 a^(2/3) for a > 2.8, the final height H / L0 is a below 1.15 and
 a^0.4 above, whatever the grains and the floor.
 
-What to expect: low columns slide off at the free side and keep a flat top; high ones fall, push a front along, and leave
-a cone that is flatter than the angle of repose. The run ends at rest.
+What to expect: low columns slide off at the free side and keep a flat top; high ones fall, push a front along, and
+leave a cone that is flatter than the angle of repose. The run ends at rest.
 
 Cost: 1,600 points, 0.5 s of filling and 0.6 s of flow with some 140,000 steps, a minute on one core.
 """

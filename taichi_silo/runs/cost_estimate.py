@@ -18,7 +18,7 @@ from taichi_silo.mpm import runtime
 from taichi_silo.mpm.field_memory import put
 from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.mpm.shapes import SHAPES
-from taichi_silo.scene import memory_need
+from taichi_silo.scene import fill_shape, memory_need
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow
 from taichi_silo.simulation.discretise import period_of, wave_speed_of
@@ -163,7 +163,8 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
 def _at_rest(model: Model, points: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Fields of the points of the full silo under the stress of their own weight."""
     scene = model.scene
-    depth = np.maximum(scene.silo.height_m - points["position"][:, 1], 0.0)
+    x, y = (points["position"] + (model.section.shift, 0.0)).T
+    depth = np.maximum(fill_shape.top_m(scene.silo, x) - y, 0.0)
     vertical = -scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * depth
     side = scene.law.rest_pressure_ratio(scene.sand.void_ratio) * vertical
     stress = np.minimum(np.stack([side, vertical, side, 0.0 * side], axis=1), points["stress"])

@@ -3,6 +3,7 @@
 A surface is a line of corners (x, y) from left to right; beyond its ends it is level.
 """
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -46,9 +47,27 @@ def region(silo: "Silo") -> shapely.Polygon:
     return shapely.Polygon([(left, 0.0), (right, 0.0), ends[1], *inner[::-1], ends[0]])
 
 
+@lru_cache(maxsize=256)
+def area_between_m2(silo: "Silo", low_m: float, high_m: float, cells: int = 1000) -> float:
+    """Area of the section of the fill between two heights [m2], as `Silo.area_m2` counts; if round, by a fine sum."""
+    if silo.section == "round":
+        radius = 0.5 * silo.width_m
+        x = (np.arange(cells) + 0.5) / cells * radius
+        y = (np.arange(2 * cells) + 0.5) / (2 * cells) * silo.height_m
+        x, y = np.meshgrid(x, y)
+        held = silo.holds(radius + x, y) & (y >= low_m) & (y < high_m)
+        return float(2.0 / radius * (x * held).mean() * radius * silo.height_m)
+    fill = silo.body.intersection(region(silo))
+    for insert in silo.inserts:
+        fill = fill.difference(shapely.Polygon(insert.outline(silo.width_m)))
+    return float(fill.intersection(shapely.box(0.0, low_m, silo.width_m, high_m)).area)
+
+
 def level_m(silo: "Silo") -> float:
-    """Height of a level surface over as much sand (EN 1991-4's equivalent surface) [m]; that of walls that are vertical
-    where the surface is."""
+    """Height of a level surface over as much sand, EN 1991-4's equivalent surface [m].
+
+    The sides of the fill are vertical where the surface is.
+    """
     if silo.surface_m is None:
         return silo.height_m
     left, right = sides_m(silo)
@@ -107,7 +126,8 @@ def _check_surface(silo: "Silo", surface_m: polygons.Corners) -> None:
         raise ValueError(f"surface has {len(x)} corners; it needs two or more, x rising from one to the next")
     if x[0] < -polygons.SAME or x[-1] > silo.width_m + polygons.SAME:
         raise ValueError(
-            f"surface reaches from x = {x[0]:g} to {x[-1]:g} m; it must be between 0 and the width of {silo.width_m:g} m"
+            f"surface reaches from x = {x[0]:g} to {x[-1]:g} m; it must be between 0 and the width of "
+            f"{silo.width_m:g} m"
         )
     if y.min() < 0.0:
         raise ValueError(f"surface has a corner at y = {y.min():g} m; it must be 0 or more, above the floor")
@@ -116,4 +136,4 @@ def _check_surface(silo: "Silo", surface_m: polygons.Corners) -> None:
     for number, insert in enumerate(silo.inserts, 1):
         outline = insert.outline(silo.width_m)
         if not region(silo).contains_properly(shapely.Polygon(outline)):
-            raise ValueError(f"insert {number}, the {insert.kind}, is not covered by sand; it must be below the surface")
+            raise ValueError(f"insert {number}, the {insert.kind}, stands out of the sand; it must be covered by it")

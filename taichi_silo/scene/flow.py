@@ -36,8 +36,8 @@ class Flow(Options):
     )
     speed_m_per_s: float = Field(
         MODEL_SPEED_M_PER_S, ge=1e-9, le=FASTEST_M_PER_S,
-        description="speed of the bottom or gate, without meaning for gravity and collapse; where a scene lacks it and the silo is "
-        "not 0.2 m wide, 0.00143 times the root of gravity and width",
+        description="speed of the bottom or gate, without meaning for gravity and collapse; where a scene lacks it and "
+        "the silo is not 0.2 m wide, 0.00143 times the root of gravity and width",
     )  # fmt: skip
     displacement_m: float = Field(
         0.02, ge=1e-9, le=1000,

@@ -13,6 +13,7 @@ from pydantic import Field, field_validator, model_validator
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
+from taichi_silo.scene import fill_shape
 from taichi_silo.scene.averaging import Averaging
 from taichi_silo.scene.eurocode import Eurocode
 from taichi_silo.scene.flow import Flow
@@ -253,7 +254,7 @@ class Scene(Options):
         if not sand.layers:
             return sand.void_ratio
         levels = [0.0, *(layer.from_m for layer in sand.layers), silo.height_m]
-        areas = [silo.area_between(low, high) for low, high in zip(levels[:-1], levels[1:], strict=True)]
+        areas = [fill_shape.area_between_m2(silo, low, high) for low, high in zip(levels[:-1], levels[1:], strict=True)]
         ratios = [sand.void_ratio, *(layer.void_ratio for layer in sand.layers)]
         return sum(areas) / sum(area / (1.0 + ratio) for area, ratio in zip(areas, ratios, strict=True)) - 1.0
 

@@ -232,18 +232,9 @@ class Silo(Options):
     def area_m2(self) -> float:
         """Area of the section of the fill [m2]; of a round silo twice its volume per radian over its radius."""
         if self.section == "round":
-            return _round_area(self)
+            return fill_shape.area_between_m2(self, 0.0, self.height_m)
         below = fill_shape.region(self)
         return float(self.body.intersection(below).area) - sum(insert.area_m2() for insert in self.inserts)
-
-    def area_between(self, low_m: float, high_m: float) -> float:
-        """Area of the section of the fill between two heights [m2], counted as `area_m2` counts."""
-        if self.section == "round":
-            return _round_area(self, low_m, high_m)
-        fill = self.body.intersection(fill_shape.region(self))
-        for insert in self.inserts:
-            fill = fill.difference(shapely.Polygon(insert.outline(self.width_m)))
-        return float(fill.intersection(shapely.box(0.0, low_m, self.width_m, high_m)).area)
 
     def solids(self) -> list[np.ndarray]:
         """Outlines (n, 2) of hopper walls and inserts, for pictures [m]."""
@@ -293,14 +284,3 @@ def _sides(silo: Silo) -> tuple[np.ndarray, np.ndarray]:
 @lru_cache(maxsize=64)
 def _count(silo: Silo, spacing_m: float) -> int:
     return len(silo.lattice(spacing_m)[0])
-
-
-@lru_cache(maxsize=64)
-def _round_area(silo: Silo, low_m: float = 0.0, high_m: float = math.inf, cells: int = 1000) -> float:
-    """`Silo.area_between` of a round silo, by a fine sum."""
-    radius = 0.5 * silo.width_m
-    x = (np.arange(cells) + 0.5) / cells * radius
-    y = (np.arange(2 * cells) + 0.5) / (2 * cells) * silo.height_m
-    x, y = np.meshgrid(x, y)
-    held = silo.holds(radius + x, y) & (y >= low_m) & (y < high_m)
-    return float(2.0 / radius * (x * held).mean() * radius * silo.height_m)

@@ -5,7 +5,9 @@ The next interval follows from the clock and the points, so the flow can be left
 
 import math
 
+from taichi_silo.analysis.measure.surface_profile import SurfaceProfile
 from taichi_silo.mpm.noise_control import NoiseControl
+from taichi_silo.scene import fill_shape
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.clock import OPENED, Clock, Interval
 from taichi_silo.simulation.model import Model
@@ -17,7 +19,8 @@ LONGER = 1.05  # at most, a step against that of the interval before: where sand
 REACH = 0.35  # of a cell: by more, no sand may pass the exit within an interval
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
 STILL = 0.005  # of the root of g H: mean speed below which a collapsed column rests,
-RESTING = 1.0  # if it lasts for so many times the root of H / g
+RESTING = 1.0  # if it lasts for so many times the fall of the column, root of H / g
+OF_FALL = 0.01  # of that fall, an interval of a collapse
 
 
 def duration(scene: Scene, period: float) -> float:
@@ -77,6 +80,8 @@ def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None
         or clock.time - clock.left_at >= _rest(model)
     ):
         return None
+    if flow.outflow == "collapse":
+        return Interval(OF_FALL * _fall(model), plate_velocity=(OPENED, OPENED), growth=LANDING, longer=LONGER)
     reach = REACH * model.scene.grid.cell_size_m
     fastest = fastest_m_per_s + model.gravity * model.interval
     duration = min(SHORT * model.interval, reach / fastest)
@@ -86,8 +91,13 @@ def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None
 def _rest(model: Model) -> float:
     """How long nothing may move, or leave, before the flow is over [s]."""
     if model.scene.flow.outflow == "collapse":
-        return RESTING * math.sqrt(model.scene.silo.height_m / model.gravity)
+        return RESTING * _fall(model)
     return AT_REST_S
+
+
+def _fall(model: Model) -> float:
+    """Root of H / g [s]."""
+    return math.sqrt(model.scene.silo.height_m / model.gravity)
 
 
 def spreads(model: Model, kinetic_energy_J_per_m: float) -> bool:
@@ -95,3 +105,17 @@ def spreads(model: Model, kinetic_energy_J_per_m: float) -> bool:
     mass = model.mass / model.section.factor
     speed = STILL * math.sqrt(model.gravity * model.scene.silo.height_m)
     return kinetic_energy_J_per_m > 0.5 * mass * speed**2
+
+
+def run_out(model: Model) -> float:
+    """How far the farther front of a column has run [m]."""
+    section, d = model.section, model.spacing
+    x, area = model.particles.array("position")[:, 0], model.particles.array("volume")
+    area = area / section.geometry.depth(x)
+    profile = SurfaceProfile.of(x, area, d, 0.0, section.width, round(section.width / d))
+    left, right = (side - section.shift for side in fill_shape.sides_m(model.scene.silo))
+    middle = min(max(0.5 * (left + right), 0.5 * d), section.width - 0.5 * d)
+    first, last = profile.fronts_m(middle)
+    free = fill_shape.free_walls(model.scene.silo)
+    computed = free[0] and left > 0.0, free[1] and right < section.width
+    return max(0.0, left - first if computed[0] else 0.0, last - right if computed[1] else 0.0)

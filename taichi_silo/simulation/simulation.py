@@ -8,11 +8,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from taichi_silo.analysis.measure.surface_profile import SurfaceProfile
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.scene import fill_shape, known_limits
+from taichi_silo.scene import known_limits
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow, restart
 from taichi_silo.simulation.alarm import Alarm, Alarms
@@ -125,7 +124,7 @@ class Simulation:
         clock.steps += steps
         self._let_go()
         if model.scene.flow.outflow == "collapse":
-            clock.displacement = self._run_out()
+            clock.displacement = outflow.run_out(model) if clock.stage == "flow" else 0.0
         elif interval.gate_is_open:
             clock.displacement = self.discharged / (model.density * model.scene.silo.outlet_share_m)
         else:
@@ -205,21 +204,6 @@ class Simulation:
         a_point = self.model.mass / self.model.section.factor / self.model.particles.count
         if self.discharge.flows(a_point):
             self.clock.left_at = self.clock.time
-
-    def _run_out(self) -> float:
-        """How far the farther front of a column has run [m]."""
-        if self.clock.stage != "flow":
-            return 0.0
-        model, silo = self.model, self.scene.silo
-        x, area = model.particles.array("position")[:, 0], model.particles.array("volume")
-        profile = SurfaceProfile.of(
-            x, area / model.section.geometry.depth(x), model.spacing, 0.0, model.section.width,
-            round(model.section.width / model.spacing),
-        )  # fmt: skip
-        left, right = (side - model.section.shift for side in fill_shape.sides_m(silo))
-        half = 0.5 * model.spacing
-        first, last = profile.fronts_m(float(np.clip(0.5 * (left + right), half, model.section.width - half)))
-        return max(0.0, *(left - first if left > first else 0.0, last - right if last > right else 0.0))
 
     @property
     def held_mass(self) -> float:

@@ -8,6 +8,7 @@ from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.wall_pressure import SURFACE
 from taichi_silo.runs.alarms.of_records import Check
 from taichi_silo.runs.certificate import inertial_number, unexplained_densification
+from taichi_silo.scene import fill_shape
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.alarm import Alarm
 from taichi_silo.simulation.record import Record
@@ -134,7 +135,8 @@ class Inertia(_Since):
         scene = self.simulation.scene
         path = points["path"] - matched(before, points)["path"]
         number = inertial_number(path, record.time_s - before["time_s"], points["stress"], scene)
-        below = points["position"][:, 1] - self.simulation.origin_m < SURFACE * scene.silo.height_m
+        x, y = points["position"].T
+        below = y - self.simulation.origin_m < SURFACE * fill_shape.top_m(scene.silo, x)
         if not below.any():
             return None
         found = float(np.percentile(number[below], SHARE))

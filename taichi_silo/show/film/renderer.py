@@ -45,9 +45,7 @@ class Renderer:
     ):  # fmt: skip
         self.history, self.field = history, field_of(look.field)
         silo = history.scene.silo
-        way = (
-            Way(*silo.outlet_m, whole(history.scene).bottom - history.scene.spacing_m) if silo.has_opening else None
-        )
+        way = Way(*silo.outlet_m, whole(history.scene).bottom - history.scene.spacing_m) if silo.has_opening else None
         self.between = Between(states or history, self._values, way)
         self.scale = scale or scale_of(history, look, states is not None)
         self.forces, self.told = ForceRows(history), 0
