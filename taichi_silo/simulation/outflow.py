@@ -18,9 +18,10 @@ SHORT, LANDING = 0.5, 0.6  # of an interval and of a time step in free outflow: 
 LONGER = 1.05  # at most, a step against that of the interval before: where sand has landed, more will
 REACH = 0.35  # of a cell: by more, no sand may pass the exit within an interval
 AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
-STILL = 0.005  # of the root of g H: mean speed below which a collapsed column rests,
+STILL = 0.002  # of the root of g H: mean speed below which a collapsed column rests,
 RESTING = 1.0  # if it lasts for so many times the fall of the column, root of H / g
 OF_FALL = 0.01  # of that fall, an interval of a collapse
+SWEPT = 3.0  # times within that fall that points relax to the grid: h^2 / 4 of it each, a viscosity the collapse outruns
 
 
 def duration(scene: Scene, period: float) -> float:
@@ -40,6 +41,8 @@ def start(scene: Scene, period: float) -> float:
 
 def control(model: Model) -> NoiseControl:
     """The noise control in flow: of free outflow only its relaxation, as its drag would brake what accelerates."""
+    if model.scene.flow.outflow == "collapse" and model.control.drag:
+        return NoiseControl(relaxation=min(model.control.relaxation, SWEPT / _fall(model)))
     if model.scene.flow.free and model.control.drag:
         return NoiseControl(relaxation=model.control.relaxation)
     return model.control
