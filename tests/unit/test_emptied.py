@@ -8,8 +8,8 @@ from taichi_silo.scene.scene import Flow
 from taichi_silo.scene.silo import Outlet, Silo
 from taichi_silo.show.export import tables, vtkhdf
 from taichi_silo.show.figures import plot_run
-from taichi_silo.show.film.look import Look
 from taichi_silo.show.film.films import still
+from taichi_silo.show.film.look import Look
 from taichi_silo.show.report.page import write_report
 from tests import made_up
 
