@@ -61,8 +61,8 @@ class WallForces:
         on_floor = impulse[BOTTOM : self.on_grid - len(self.beside)]
         bottom = on_floor.sum(axis=0)
         own = np.concatenate([impulse[:BOTTOM], bottom[None], impulse[self.on_grid :]]) / duration
-        for number, wall in self.beside:
-            own[wall] += impulse[number] / duration
+        for number, side in self.beside:
+            own[side] += impulse[number] / duration
         forces = self._of_both_sides(own)
         total = dict(zip(self.names, forces.sum(axis=1), strict=True))
         columns = {"bottom_force_N_per_m": normal_and_shear("bottom", total["bottom"])[0]}
