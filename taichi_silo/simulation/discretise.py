@@ -162,7 +162,8 @@ def side_contact(scene: Scene, friction_angle_deg: float | None = None) -> Coulo
 def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
     """Left, right, bottom; or left, right, and floor, edges (both empty above an open hopper) and gate.
 
-    Of a column left, right, bottom, and the walls that are taken away: they recede faster than the sand can follow.
+    Of a column left, right, the walls that are taken away, and bottom: they recede faster than the sand can follow, and
+    come before the bottom, whose friction else takes from them what it does not take from the others.
     """
     silo, h, side = scene.silo, scene.grid.cell_size_m, side_contact(scene)
     low = tuple(MARGIN + math.ceil(foot / h - 1e-9) if foot else 0 for foot in silo.feet_m)
@@ -181,7 +182,7 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[Wall, ...]:
         fading = [replaced(wall, fade=fade) if isinstance(wall.contact, NoSlip) else wall for wall in sides]
         return (*fading, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0)))
     if silo.column_m is not None:
-        return (*sides, PlaneWall("bottom", 1, -1, floor, plate), *_free_walls(scene, section, grid))
+        return (*sides, *_free_walls(scene, section, grid), PlaneWall("bottom", 1, -1, floor, plate))
     first, last = _edges(scene, section, grid)
     pace = pace_of_edge(last - MARGIN if section.round else None, math.isqrt(scene.grid.points_per_cell))
     edges = Edges(floor, first, last, plate, motion=(0.0, pace))

@@ -32,7 +32,7 @@ class WallForces:
     ----------
     section : the part of the silo that the solver computes.
     paces : vertical velocity of the solver's walls on grid lines (walls, slots), as multiples of the speed at which the
-        sand is let out: left, right, and the bottom or floor, edges of the opening and gate.
+        sand is let out: left, right, those that hold a column, and the bottom or floor, edges of the opening and gate.
     bodies : names of the walls that do not, hopper walls and inserts, in the solver's order.
     beside : numbers of the solver's walls that hold a column, each with the left or right wall that it counts to.
 
@@ -58,7 +58,7 @@ class WallForces:
 
         Nodal forces are those over the width that a node has: cell size times stress [N/m].
         """
-        on_floor = impulse[BOTTOM : self.on_grid - len(self.beside)]
+        on_floor = impulse[BOTTOM + len(self.beside) : self.on_grid]
         bottom = on_floor.sum(axis=0)
         own = np.concatenate([impulse[:BOTTOM], bottom[None], impulse[self.on_grid :]]) / duration
         for number, side in self.beside:

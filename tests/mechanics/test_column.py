@@ -41,7 +41,7 @@ def test_the_wall_bears_the_sand_until_it_is_gone(runs):
     k = 2.0 * filled["right_normal_N_per_m"] / (weight / 0.1 * 0.15)
     assert 0.3 < k < 0.7
     assert filled["P"] == pytest.approx(weight, rel=0.02)
-    assert run.flow["right_normal_N_per_m"].abs().max() < 1e-9 * weight
+    assert run.flow["right_normal_N_per_m"].abs().max() < 1e-6 * weight  # round-off
     assert run.flow["left_normal_N_per_m"].iloc[-1] > 0.0
 
 
