@@ -21,7 +21,9 @@ AT_REST_S = 0.25  # without outflow, after which a free flow has stopped
 STILL = 0.002  # of the root of g H: mean speed below which a collapsed column rests,
 RESTING = 1.0  # if it lasts for so many times the fall of the column, root of H / g
 OF_FALL = 0.01  # of that fall, an interval of a collapse
-SWEPT = 3.0  # times within that fall that points relax to the grid: h^2 / 4 of it each, a viscosity the collapse outruns
+SWEPT = (
+    3.0  # times within that fall that points relax to the grid: h^2 / 4 of it each, a viscosity the collapse outruns
+)
 
 
 def duration(scene: Scene, period: float) -> float:
