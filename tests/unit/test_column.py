@@ -145,7 +145,7 @@ def test_a_collapse_ends_where_there_is_no_more_room_or_time():
 def test_a_scene_with_a_column_reads_as_it_was_written(tmp_path):
     write_parameters(tmp_path, scene(sand={"layers": [{"from_m": 0.05, "void_ratio": 0.8}]}), {})
     again = read_scene(tmp_path / "run.toml")
-    assert again.silo.model_dump() == scene().silo.model_dump()
+    assert again.silo.column_m == (0.0, 0.1) and again.silo.area_m2 == scene().silo.area_m2
     assert again.flow.model_dump() == scene().flow.model_dump()
     assert again.sand.layers[0].void_ratio == 0.8
 

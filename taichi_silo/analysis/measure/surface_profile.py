@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+TOP = 5  # strips over which the greatest height is a mean
 CONTINUOUS = 0.5  # of a layer of points: where there is less, sand lies in single grains, and a front ends
 
 
@@ -65,15 +66,16 @@ class SurfaceProfile:
 
     @property
     def top_m(self) -> float:
-        """Greatest height [m]."""
-        return float(self.height_m.max())
+        """Greatest height, a mean over five strips [m]: single ones hold a row of points more or less than others."""
+        return float(np.convolve(self.height_m, np.full(TOP, 1.0 / TOP), mode="valid").max())
 
     def slope_deg(self, low: float = 0.2, high: float = 0.8) -> float:
         """Angle of the steeper side of the surface, between two shares of its greatest height [degrees]; nan if none.
 
         The straight line through the strips on the way from the top to a front.
         """
-        top, found = int(np.argmax(self.height_m)), []
+        smooth = np.convolve(self.height_m, np.full(TOP, 1.0 / TOP), mode="same")
+        top, found = int(np.argmax(smooth)), []
         for side in (slice(top, None), slice(None, top + 1)):
             x, y = self.middle_m[side], self.height_m[side]
             between = (y > low * self.top_m) & (y < high * self.top_m)
