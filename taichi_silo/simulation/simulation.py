@@ -191,7 +191,7 @@ class Simulation:
     def _let_go(self) -> None:
         """Count what has passed the opening, and take out what has passed the exit; see whether a column spreads."""
         if self.clock.stage == "flow" and self.scene.flow.outflow == "collapse":
-            if outflow.spreads(self.model, self.sums.kinetic_energy):
+            if self.sums and outflow.spreads(self.model, self.sums.kinetic_energy):
                 self.clock.left_at = self.clock.time
             return
         if self.discharge is None or self.clock.stage != "flow":
