@@ -6,6 +6,7 @@ import pandas as pd
 from taichi_silo.analysis.measure.deformation import Rings
 from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.wall_pressure import SURFACE
+from taichi_silo.scene import fill_shape
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.simulation import Simulation
 
@@ -72,10 +73,11 @@ def _steady_measures(flow: pd.DataFrame, simulation: Simulation) -> dict:
 
 def _state_measures(filled: dict, final: dict, scene: Scene) -> dict:
     """Change of void ratio, strain path and inertial number between two states of the same points."""
-    width, height = scene.silo.width_m, scene.silo.height_m
+    width = scene.silo.width_m
+    left, right = fill_shape.sides_m(scene.silo)
     x, y = filled["position"].T
-    below = y < SURFACE * height
-    core = below & (np.abs(x - 0.5 * width) <= 0.25 * width * (1.0 + 1e-9))
+    below = y < SURFACE * fill_shape.top_m(scene.silo, x)
+    core = below & (np.abs(x - 0.5 * (left + right)) <= 0.25 * (right - left) * (1.0 + 1e-9))
     mass = filled["mass"]
     if scene.silo.section == "round":  # per metre of the point's own girth
         mass = mass * np.abs(x - 0.5 * width)
@@ -118,7 +120,8 @@ def unexplained_densification(filled: dict, now: dict, scene: Scene, rings: Ring
     Both are states of the points (`Simulation.points`); `rings` those of the first, computed here if not given. 0 where
     all sand has been sheared.
     """
-    still = _unsheared(filled, now, filled["position"][:, 1] < SURFACE * scene.silo.height_m, rings)
+    x, y = filled["position"].T
+    still = _unsheared(filled, now, y < SURFACE * fill_shape.top_m(scene.silo, x), rings)
     if not still.any():
         return 0.0, 0
     loss = np.where(still, filled["void_ratio"] - now["void_ratio"], -np.inf)

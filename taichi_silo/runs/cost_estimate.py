@@ -18,7 +18,7 @@ from taichi_silo.mpm import runtime
 from taichi_silo.mpm.field_memory import put
 from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.mpm.shapes import SHAPES
-from taichi_silo.scene import memory_need
+from taichi_silo.scene import fill_shape, memory_need
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow
 from taichi_silo.simulation.discretise import period_of, wave_speed_of
@@ -87,7 +87,7 @@ def steps(scene: Scene) -> int:
     fraction = SHAPES[scene.grid.shape](0.5 / math.isqrt(scene.grid.points_per_cell)).stable_fraction
     fraction = STEP_SAFETY * fraction if method.cfl is None else method.cfl
 
-    speed_of_flow = 0.0 if scene.flow.outflow == "gravity" else scene.flow.speed_m_per_s
+    speed_of_flow = 0.0 if scene.flow.free else scene.flow.speed_m_per_s
 
     def count(span: float, wave: float) -> int:
         """Steps of one interval."""
@@ -132,7 +132,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
     """
     model, solver, points = simulation.model, simulation.solver, simulation.model.particles.arrays()
     model.particles.load(_at_rest(model, points))
-    speed = 0.0 if model.scene.flow.outflow == "gravity" else model.scene.flow.speed_m_per_s  # the gate stays shut
+    speed = 0.0 if model.scene.flow.free else model.scene.flow.speed_m_per_s  # the gate stays shut
     rates: list[float] = []
     machine = model.scene.machine
     # of one thread its own time, which other programs on the machine do not lengthen
@@ -165,7 +165,8 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
 def _at_rest(model: Model, points: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Fields of the points of the full silo under the stress of their own weight."""
     scene = model.scene
-    depth = np.maximum(scene.silo.height_m - points["position"][:, 1], 0.0)
+    x, y = (points["position"] + (model.section.shift, 0.0)).T
+    depth = np.maximum(fill_shape.top_m(scene.silo, x) - y, 0.0)
     vertical = -scene.density_kg_per_m3 * scene.method.gravity_m_per_s2 * depth
     side = scene.law.rest_pressure_ratio(scene.sand.void_ratio) * vertical
     stress = np.minimum(np.stack([side, vertical, side, 0.0 * side], axis=1), points["stress"])

@@ -53,7 +53,7 @@ def flow_findings(filled: dict, before: dict, now: dict, scene: Scene) -> dict:
             "between_s": [before["time_s"], now["time_s"]],
         }
     in_floor = all(one.in_floor for one in silo.openings)
-    if outflow > 0.0 and in_floor and not silo.floor_is_outlet:  # sand on a bottom that sinks as a whole stays on it
+    if outflow > 0.0 and in_floor and silo.has_opening:  # sand on a bottom that sinks as a whole stays on it
         outlets = tuple((one.low, one.high) for one in silo.openings)
         stay = residence(place, velocity, volume, silo.width_m, outflow, outlets)
         found["residence"] = {

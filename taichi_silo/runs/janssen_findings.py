@@ -7,6 +7,7 @@ import numpy as np
 from taichi_silo.analysis.theory.banded_janssen import BandedJanssen
 from taichi_silo.analysis.theory.janssen import pressure_ratio_from_normal_force
 from taichi_silo.runs.theories import janssen_of
+from taichi_silo.scene import fill_shape
 from taichi_silo.scene.scene import Scene
 
 PROFILE_BAND = (0.2, 0.8)  # of the height: where the pressure ratio is measured, away from surface and corner
@@ -74,10 +75,11 @@ def measured_pressure_ratio(points: dict, scene: Scene) -> float:
     """K: mean horizontal stress of the points next to the walls over the mean vertical stress in the same band."""
     x, y = points["position"].T
     horizontal, vertical = -points["stress"][:, 0], -points["stress"][:, 1]
-    low, high = (share * scene.silo.height_m for share in PROFILE_BAND)
+    low, high = (share * fill_shape.lowest_m(scene.silo) for share in PROFILE_BAND)
     low = max(low, scene.silo.transition_m)
     band = (y > low) & (y < high)
-    wall = band & ((x < scene.spacing_m) | (x > scene.silo.width_m - scene.spacing_m))
+    left, right = fill_shape.sides_m(scene.silo)
+    wall = band & ((x < left + scene.spacing_m) | (x > right - scene.spacing_m))
     if not wall.any():
         return float("nan")
     weights = points["volume"][band]

@@ -98,7 +98,10 @@ def cell_size(scene: Scene) -> Part:
 def outflow(scene: Scene) -> Part:
     """Speed and displacement, as given or chosen by the size of the silo."""
     flow, wide = scene.flow, scene.silo.width_m
-    if flow.outflow == "gravity":
+    if flow.outflow == "collapse":
+        because = f"As asked for: the walls of the column are taken away at once, for {flow.longest_s:g} s at most."
+        return Part("outflow", "collapses", because, "--longest")
+    if flow.free:
         until = f"until a gate would have sunk by {1e3 * flow.displacement_m:g} mm"
         because = f"As asked for: {until}, for {flow.longest_s:g} s at most."
         return Part("outflow", "falls freely", because, "--displacement")
@@ -119,7 +122,7 @@ def intergranular_strain(scene: Scene) -> Part:
         because = f"As asked for: {sand.law}."
     elif flow.turns_back:
         because = f"Strain turns back, and sand is then {sand.intergranular.m_R:g} times as stiff (m_R)."
-    elif not scene.silo.floor_is_outlet:
+    elif scene.silo.has_opening:
         because = (
             f"The gate lets the sand go one way, at {1e3 * flow.speed_m_per_s:g} mm/s; only free outflow turns strain "
             "back."
@@ -228,7 +231,9 @@ def empty_nodes(scene: Scene) -> Part:
 def sand_at_rest(scene: Scene) -> Part:
     """Nothing rests above a bottom that sinks as a whole; beside an outlet sand does, but waves cross it."""
     because = f"0 of {scene.points} points rest: the whole fill sinks with the bottom."
-    if not scene.silo.floor_is_outlet:
+    if scene.silo.column_m is not None:
+        because = "What has come to rest carries what still slides over it."
+    elif scene.silo.has_opening:
         because = (
             f"Sand beside the outlet of {1e3 * cell_sizes.narrowest_m(scene.silo):g} mm may rest, but it carries what "
             "moves: its stress changes in every step."

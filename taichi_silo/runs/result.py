@@ -21,6 +21,7 @@ from taichi_silo.utils import bounded_reading
 from taichi_silo.utils.messages import shown
 
 FILM = "void_ratio.mp4"
+COLLAPSE = "collapse.csv"  # of a column
 FORCES = (
     "time_s", "stage", "displacement_m", "bottom_force_N_per_m", "left_normal_N_per_m", "left_shear_N_per_m",
     "right_normal_N_per_m", "right_shear_N_per_m", "wall_friction_angle_deg", "weight_N_per_m",
@@ -115,8 +116,8 @@ class Result(os.PathLike):
 
     @property
     def free(self) -> bool:
-        """Whether the sand falls out by its weight."""
-        return self.scene.flow.outflow == "gravity"
+        """Whether the sand moves by its weight alone."""
+        return self.scene.flow.free
 
     @property
     def lopsided(self) -> bool:

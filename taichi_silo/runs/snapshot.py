@@ -27,7 +27,7 @@ def unit_of(name: str) -> str:
 
 def shown_displacements(flow: Flow) -> list[float]:
     """Displacements [m] of the bottom, after 0, at which figures show the state of a run."""
-    shares = SHOWN_OF_FREE if flow.outflow == "gravity" else SHOWN
+    shares = SHOWN_OF_FREE if flow.free else SHOWN
     return [share * flow.displacement_m for share in shares]
 
 

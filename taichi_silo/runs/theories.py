@@ -95,7 +95,7 @@ def theory_of(scene: Scene, angle_deg: float, pressure_ratio: float) -> dict:
                 "wall_force_N_per_m": float(girths * hopper.wall_force_N_per_m),
                 "outlet_force_N_per_m": float(girths * hopper.outlet_force_N_per_m),
             }
-    if not silo.floor_is_outlet:
+    if silo.has_opening:
         grain, density = scene.sand.d50_m, scene.density_kg_per_m3
         widths = [one.width for one in silo.openings if one.in_floor]  # of all that are open at a time
         if silo.section == "round":

@@ -26,7 +26,9 @@ def whole(length_m: float, size_m: float | np.ndarray) -> np.ndarray:
 
 
 def edges(silo: "Silo") -> tuple[float, ...]:
-    """Places x or y that must lie on the grid: the edges of outlets in the floor and the walls [m]."""
+    """Places x or y that must lie on the grid: edges of outlets in floor and walls, sides of a column [m]."""
+    if silo.column_m is not None:
+        return silo.column_m
     return tuple(edge for one in silo.openings for edge in (one.low, one.high)) if silo.outlets else ()
 
 

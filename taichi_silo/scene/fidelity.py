@@ -71,7 +71,7 @@ def kind(scene: Scene) -> str | None:
     """The scene of the chart that a scene is like: its walls, how dense its sand is, an outlet; None if like none."""
     silo, sand, walls = scene.silo, scene.sand, scene.walls
     shaped = silo.section == "plane" and silo.hopper is None and silo.outline_m is None and not silo.inserts
-    shaped &= not walls.bands and len(silo.outlets) <= 1
+    shaped &= not walls.bands and len(silo.outlets) <= 1 and silo.column_m is None and silo.surface_m is None
     if not shaped or not SHAPES[0] <= silo.height_m / silo.width_m <= SHAPES[1] or scene.flow.outflow == "gravity":
         return None
     dense = sand.void_ratio <= sand.e_d0 + DENSE * (sand.e_c0 - sand.e_d0)

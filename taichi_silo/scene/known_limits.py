@@ -89,7 +89,7 @@ def has_pattern(scene: Scene, displacement_m: float | None = None) -> bool:
     """Whether so much has left at a displacement, or the scene's own, that the flow has a pattern."""
     left, right = scene.silo.outlet_m
     sunk = scene.flow.displacement_m if displacement_m is None else displacement_m
-    return scene.silo.floor_is_outlet or sunk >= BEGUN * (right - left) * (1.0 - 1e-9)
+    return not scene.silo.has_opening or sunk >= BEGUN * (right - left) * (1.0 - 1e-9)
 
 
 def cells_across_outlet(scene: Scene) -> float:
@@ -100,7 +100,7 @@ def cells_across_outlet(scene: Scene) -> float:
 def of_results(scene: Scene) -> list[str]:
     """One sentence for each result of a scene that is known not to be converged, the weightiest first."""
     found, silo, cell, speed = [], scene.silo, scene.grid.cell_size_m, scene.flow.speed_m_per_s
-    rough, free = scene.walls.kind == "very-rough", scene.flow.outflow == "gravity"
+    rough, free = scene.walls.kind == "very-rough", scene.flow.free
     if rough:
         found.append(
             "Wall normal forces N and wall normal stresses between very rough walls are not converged: of dense sand "
@@ -125,7 +125,7 @@ def of_results(scene: Scene) -> list[str]:
             "Loose sand between very rough walls splits into bands one cell high while it is filled in; P, T and N "
             "scatter by 2 to 4 % between runs that differ in nothing but rounding."
         )
-    if not silo.floor_is_outlet:
+    if silo.has_opening:
         found += _of_outlet(scene)
     slow = slow_speed_m_per_s(silo.width_m, scene.method.gravity_m_per_s2)
     if rough and not free and speed > slow * 1.001:
@@ -133,6 +133,11 @@ def of_results(scene: Scene) -> list[str]:
             f"The outflow is driven at {1e3 * speed:g} mm/s. Between very rough walls N falls with the speed: at "
             f"{1e4 * slow:g} mm/s it is some 11 to 14 % below that at {1e3 * slow:g} mm/s, from where on it keeps its "
             "value."
+        )
+    if scene.sand.layers:
+        found.append(
+            "Janssen's theory and EN 1991-4 take one sand: of layers they are given the mean bulk density, and the "
+            "pressure ratio of the lowest layer."
         )
     if silo.height_m > SLENDER * silo.width_m:
         found.append(

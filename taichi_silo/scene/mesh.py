@@ -4,7 +4,7 @@ import math
 
 from pydantic import Field, field_validator
 
-from taichi_silo.scene import cell_sizes
+from taichi_silo.scene import cell_sizes, fill_shape
 from taichi_silo.scene.method_options import Shape
 from taichi_silo.scene.silo import Silo
 from taichi_silo.utils.messages import shown
@@ -71,6 +71,12 @@ class Mesh(Options):
                 f"outlet width is {narrow:g} m; on cells of {h} m it must be at least {2 * h:g} m: "
                 f"{cell_sizes.remedy(silo, h)}"
             )
+        left, right = fill_shape.sides_m(silo)
+        if right - left < 2.0 * h * (1.0 - 1e-9):
+            raise ValueError(
+                f"column is {right - left:g} m wide; on cells of {h} m it must be at least {2 * h:g} m: "
+                f"{cell_sizes.remedy(silo, h)}"
+            )
         for one in silo.openings if silo.outlets else ():
             edge = next((edge for edge in (one.low, one.high) if not cell_sizes.whole(edge, h)), None)
             if edge is not None:
@@ -78,6 +84,12 @@ class Mesh(Options):
                     f"outlet width is {one.width:.12g} m; its edge at {'x' if one.in_floor else 'y'} = {edge:g} m must "
                     f"lie on the grid, whose lines are {h} m apart: {cell_sizes.remedy(silo, h)}"
                 )
+        edge = next((edge for edge in silo.column_m or () if not cell_sizes.whole(edge, h)), None)
+        if edge is not None:
+            raise ValueError(
+                f"side of the column at x = {edge:g} m must lie on the grid, whose lines are {h} m apart: "
+                f"{cell_sizes.remedy(silo, h)}"
+            )
         if silo.section == "round" and round(silo.width_m / h) % 2:
             raise ValueError(
                 f"cell size is {h} m; it must divide the radius of {0.5 * silo.width_m} m of a round silo: "

@@ -2,6 +2,7 @@
 
 from typing import ClassVar, Literal
 
+import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from taichi_silo.mpm import own_parts
@@ -10,6 +11,8 @@ from taichi_silo.mpm.laws import GudehusBauer, Intergranular
 from taichi_silo.scene.own_part import need_name
 from taichi_silo.utils.messages import shown
 from taichi_silo.utils.schema import Options
+
+MOST_LAYERS = 100
 
 
 class IntergranularStrain(Options):
@@ -26,6 +29,13 @@ class IntergranularStrain(Options):
         if self.m_T > self.m_R:
             raise ValueError(f"m_T is {self.m_T}; it must be at most m_R = {self.m_R}")
         return self
+
+
+class SandLayer(Options):
+    """The same sand at another void ratio, from a height up to that of the next layer or the surface."""
+
+    from_m: float = Field(ge=0, le=1000, description="height above the floor where it begins")
+    void_ratio: float = Field(ge=0.01, le=10, description="its initial void ratio, between e_d0 and e_i0")
 
 
 class Sand(Options):
@@ -56,6 +66,7 @@ class Sand(Options):
     grain_density_kg_per_m3: float = Field(2650.0, ge=10, le=1e5, description="of the grains themselves")
     d50_m: float = Field(0.5e-3, ge=1e-7, le=1, description="mean grain diameter")
     intergranular: IntergranularStrain = IntergranularStrain()
+    layers: tuple[SandLayer, ...] = Field((), max_length=MOST_LAYERS)
 
     @field_validator("name")
     @classmethod
@@ -91,7 +102,24 @@ class Sand(Options):
             raise ValueError(
                 f"void ratio is {self.void_ratio}; it must lie between e_d0 = {self.e_d0} and e_i0 = {self.e_i0}"
             )
+        below = 0.0
+        for layer in self.layers:
+            if not layer.from_m > below:
+                raise ValueError(
+                    f"from_m of a layer of sand is {layer.from_m}; it must be above {below}, where the one below begins"
+                )
+            if not self.e_d0 < layer.void_ratio < self.e_i0:
+                raise ValueError(
+                    f"void ratio of the layer from {layer.from_m} m is {layer.void_ratio}; it must lie between e_d0 = "
+                    f"{self.e_d0} and e_i0 = {self.e_i0}"
+                )
+            below = layer.from_m
         return self
+
+    def void_ratio_at(self, y: np.ndarray) -> np.ndarray:
+        """Initial void ratio at heights y (array) [m]."""
+        values = np.array([self.void_ratio, *(layer.void_ratio for layer in self.layers)])
+        return values[np.searchsorted([layer.from_m for layer in self.layers], y, side="right")]
 
     @property
     def loose(self) -> bool:

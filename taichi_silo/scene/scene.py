@@ -13,7 +13,7 @@ from pydantic import Field, field_validator, model_validator
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Law
-from taichi_silo.scene import bands
+from taichi_silo.scene import bands, fill_shape
 from taichi_silo.scene.averaging import Averaging
 from taichi_silo.scene.eurocode import Eurocode
 from taichi_silo.scene.flow import Flow
@@ -157,6 +157,11 @@ class Scene(Options):
         if self.averaging.wall == "rigid" and self.walls.kind != "very-rough":
             raise ValueError(f"walls are {self.walls.kind}; in an average with rigid walls they must be very rough")
         bands.check(self.walls, self.silo)
+        if self.sand.layers and self.sand.layers[-1].from_m >= self.silo.height_m:
+            raise ValueError(
+                f"the highest layer of sand begins at {self.sand.layers[-1].from_m} m; it must be below the height of "
+                f"{self.silo.height_m} m"
+            )
         half_model(self)
         self._check_contact()
         self._check_outflow()
@@ -184,7 +189,11 @@ class Scene(Options):
         silo, flow = self.silo, self.flow
         if flow.outflow == "gravity" and silo.floor_is_outlet:
             raise ValueError("outflow is gravity; the silo needs an outlet or a hopper that sand can fall out of")
-        over = flow.longest_s if flow.outflow == "gravity" else flow.displacement_m / flow.speed_m_per_s
+        if flow.outflow == "collapse" and silo.column_m is None:
+            raise ValueError("outflow is collapse; the silo needs a column (silo.column_m) whose walls are taken away")
+        if flow.outflow != "collapse" and silo.column_m is not None:
+            raise ValueError(f"outflow is {flow.outflow}; a column can only collapse (flow.outflow = collapse)")
+        over = flow.longest_s if flow.free else flow.displacement_m / flow.speed_m_per_s
         for number, outlet in enumerate(silo.outlets):
             if outlet.opens_at_s >= over:
                 raise ValueError(
@@ -228,7 +237,8 @@ class Scene(Options):
         """Number of material points; of a round silo those of its section from wall to wall."""
         d, silo = self.spacing_m, self.silo
         columns, rows = round(silo.width_m / d), round(silo.height_m / d)
-        if silo.floor_is_outlet or columns * rows > MOST_POINTS:
+        box = silo.floor_is_outlet and silo.surface_m is None
+        if box or columns * rows > MOST_POINTS:
             return columns * rows
         return silo.points(d)
 
@@ -240,9 +250,20 @@ class Scene(Options):
         return max(FEWEST_SNAPSHOTS, min(SNAPSHOTS, MOST_STATES // self.points))
 
     @property
+    def mean_void_ratio(self) -> float:
+        """Void ratio of the whole fill: that of its sand, or voids over solids of all layers."""
+        sand, silo = self.sand, self.silo
+        if not sand.layers:
+            return sand.void_ratio
+        levels = [0.0, *(layer.from_m for layer in sand.layers), silo.height_m]
+        areas = [fill_shape.area_between_m2(silo, low, high) for low, high in zip(levels[:-1], levels[1:], strict=True)]
+        ratios = [sand.void_ratio, *(layer.void_ratio for layer in sand.layers)]
+        return sum(areas) / sum(area / (1.0 + ratio) for area, ratio in zip(areas, ratios, strict=True)) - 1.0
+
+    @property
     def density_kg_per_m3(self) -> float:
         """Bulk density of the fill: grain density / (1 + void ratio) [kg/m3]."""
-        return self.sand.grain_density_kg_per_m3 / (1.0 + self.sand.void_ratio)
+        return self.sand.grain_density_kg_per_m3 / (1.0 + self.mean_void_ratio)
 
     @property
     def weight_N_per_m(self) -> float:

@@ -14,7 +14,7 @@ import shapely
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from taichi_silo.scene import polygons, silo_checks
+from taichi_silo.scene import fill_shape, polygons, silo_checks
 from taichi_silo.scene.inserts import Insert
 from taichi_silo.scene.outlets import OneOrSeveral, Opening, Outlet
 from taichi_silo.utils.schema import Options
@@ -53,18 +53,33 @@ class Silo(Options):
         "absent",
     )
     inserts: tuple[Insert, ...] = Field((), max_length=MOST_INSERTS)
+    column_m: tuple[float, float] | None = Field(
+        None,
+        description="x of the left and right side of the fill, which stands free of at least one wall: smooth walls "
+        "hold it there until a collapse takes them away at once",
+    )
+    surface_m: polygons.Corners | None = Field(
+        None,
+        max_length=polygons.MOST_CORNERS,
+        description="corners (x, y) of the surface of the fill from left to right, a heap or a slope, level beyond its "
+        "ends; the height is that of its top if absent",
+    )
 
     @model_validator(mode="before")
     @classmethod
     def _sized(cls, given):
-        """Width and height of an outline, where they are not given."""
-        if isinstance(given, dict) and given.get("outline_m"):
-            try:
-                x, y = np.array([tuple(map(float, corner)) for corner in given["outline_m"]]).T
-            except (TypeError, ValueError, OverflowError):
-                return given  # what is wrong with it is said by the type
-            if x.max() > 0.0 and y.max() > 0.0:
-                return {"width_m": float(x.max()), "height_m": float(y.max())} | given
+        """Width and height of an outline, and height of a surface, where they are not given."""
+        if not isinstance(given, dict):
+            return given
+        for name, sizes in (("surface_m", ("height_m",)), ("outline_m", ("height_m", "width_m"))):
+            if given.get(name):
+                try:
+                    x, y = np.array([tuple(map(float, corner)) for corner in given[name]]).T
+                except (TypeError, ValueError, OverflowError):
+                    return given  # what is wrong with it is said by the type
+                if x.max() > 0.0 and y.max() > 0.0:
+                    size = {"height_m": float(y.max()), "width_m": float(x.max())}
+                    given = {one: size[one] for one in sizes} | given
         return given
 
     @classmethod
@@ -82,7 +97,13 @@ class Silo(Options):
     @property
     def floor_is_outlet(self) -> bool:
         """Whether the whole floor is the outlet, and the grid sinks with it."""
-        return self.outlet is None and self.hopper is None and self.outline_m is None and not self.inserts
+        closed = self.outlet is None and self.hopper is None and self.outline_m is None and not self.inserts
+        return closed and self.column_m is None
+
+    @property
+    def has_opening(self) -> bool:
+        """Whether there is an opening in what closes it below, through which sand leaves it."""
+        return not self.floor_is_outlet and self.column_m is None
 
     @property
     def sides(self) -> tuple[np.ndarray, np.ndarray]:
@@ -163,9 +184,13 @@ class Silo(Options):
 
     @property
     def straight_m(self) -> float:
-        """Height of sand between vertical walls on both sides; 0 where inclined walls lead up to its surface."""
-        straight = self.height_m - self.transition_m
-        return straight if straight > polygons.SAME else 0.0
+        """Height of sand between vertical walls on both sides, to the level of a surface over as much sand.
+
+        0 where inclined walls lead up to the surface, and for a column, which walls of its own hold.
+        """
+        if self.column_m is not None or fill_shape.lowest_m(self) - self.transition_m <= polygons.SAME:
+            return 0.0
+        return fill_shape.level_m(self) - self.transition_m
 
     @property
     def one_sided(self) -> bool:
@@ -182,6 +207,10 @@ class Silo(Options):
         """Whether points x, y (arrays) [m] lie in the fill."""
         left, right = self.between(y)
         inside = (x > left) & (x < right) & (y > 0.0) & (y < self.height_m)
+        if self.column_m is not None:
+            inside = inside & (x > self.column_m[0]) & (x < self.column_m[1])
+        if self.surface_m is not None:
+            inside = inside & (y < fill_shape.top_m(self, x))
         for insert in self.inserts:
             inside = inside & ~insert.contains(x, y, self.width_m)
         return inside
@@ -222,8 +251,8 @@ class Silo(Options):
     def area_m2(self) -> float:
         """Area of the section of the fill [m2]; of a round silo twice its volume per radian over its radius."""
         if self.section == "round":
-            return _round_area(self)
-        below = shapely.box(0.0, 0.0, self.width_m, self.height_m)
+            return fill_shape.area_between_m2(self, 0.0, self.height_m)
+        below = fill_shape.region(self)
         return float(self.body.intersection(below).area) - sum(insert.area_m2() for insert in self.inserts)
 
     def solids(self) -> list[np.ndarray]:
@@ -247,6 +276,10 @@ class Silo(Options):
         if self.outline_m is not None:
             found.append(f"silo of {len(self.outline_m)} corners")
         found += [insert.words() for insert in self.inserts]
+        if self.column_m is not None:
+            found.append(f"column of {1e3 * (self.column_m[1] - self.column_m[0]):g} mm")
+        if self.surface_m is not None:
+            found.append("fill with a surface of its own")
         return ", ".join(found)
 
 
@@ -264,13 +297,3 @@ def _sides(silo: Silo) -> tuple[np.ndarray, np.ndarray]:
 @lru_cache(maxsize=64)
 def _count(silo: Silo, spacing_m: float) -> int:
     return len(silo.lattice(spacing_m)[0])
-
-
-@lru_cache(maxsize=64)
-def _round_area(silo: Silo, cells: int = 1000) -> float:
-    """`Silo.area_m2` of a round silo, by a fine sum."""
-    radius = 0.5 * silo.width_m
-    x = (np.arange(cells) + 0.5) / cells * radius
-    y = (np.arange(2 * cells) + 0.5) / (2 * cells) * silo.height_m
-    x, y = np.meshgrid(x, y)
-    return float(2.0 / radius * (x * silo.holds(radius + x, y)).mean() * radius * silo.height_m)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from taichi_silo.scene import polygons, touching
+from taichi_silo.scene import fill_shape, polygons, touching
 from taichi_silo.scene.inserts import Insert
 from taichi_silo.scene.outlets import Opening, Outlet
 
@@ -46,6 +46,7 @@ def check(silo: "Silo") -> None:
             raise ValueError(f"insert {number + 1} overlaps another one; inserts must stand apart")
     if silo.section == "round":
         _check_round(silo)
+    fill_shape.check(silo)
 
 
 def _check_outline(silo: "Silo", outline_m: polygons.Corners) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from taichi_silo.scene import bands
+from taichi_silo.scene import bands, fill_shape
 
 if TYPE_CHECKING:
     from taichi_silo.scene.scene import Scene
@@ -51,6 +51,8 @@ def half_model(scene: "Scene") -> tuple[bool, str]:
             "The whole silo is computed: shear zones at very rough walls amplify round-off, and P, T, N of half and "
             f"whole differ by up to {100.0 * SCATTER:.2g} % of the weight."
         )
+    if scene.silo.column_m is not None:
+        return False, "The whole silo is computed: a collapse need not be symmetric, though column and sand are."
     if not scene.silo.floor_is_outlet:
         return False, "The whole silo is computed: flow to an outlet need not be symmetric, though silo and sand are."
     slenderness = scene.silo.height_m / scene.silo.width_m
@@ -75,6 +77,8 @@ def _obstacle(scene: "Scene") -> str:
         return "hoppers, outlines and inserts are computed whole"
     if not bands.alike(scene.walls):
         return f"the walls are not alike ({bands.words(scene.walls)})"
+    if not fill_shape.symmetric(silo):
+        return "column and surface of the fill are not symmetric"
     cells = round(silo.width_m / scene.grid.cell_size_m)
     if cells % 2 or cells < FEWEST_CELLS:
         return f"{cells} cells across have no half (an even number of at least {FEWEST_CELLS} has)"

@@ -16,7 +16,7 @@ from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.walls import Coulomb, Edges, Frictionless, Gate, Gates, NoSlip, OpenFloor, PlaneWall, Surface
 from taichi_silo.mpm.walls.outlets import FloorRow, pace_of_edge
 from taichi_silo.mpm.walls.side_outlets import SideColumn
-from taichi_silo.scene import polygons, touching
+from taichi_silo.scene import fill_shape, polygons, touching
 from taichi_silo.scene.outlets import Opening
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow
@@ -35,9 +35,9 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
     """The model of a scene, with the noise control that it asks for or another; Taichi has been started."""
     section, law, method = Section.of(scene), scene.law, scene.method
     shape = SHAPES[scene.grid.shape](0.5 / math.isqrt(scene.grid.points_per_cell))
-    density = law.grain_density / (1.0 + scene.sand.void_ratio)
+    density = law.grain_density / (1.0 + scene.mean_void_ratio)
     grid = grid_of(scene, section, threads())
-    fill = fill_of(scene, section, law, density)
+    fill = fill_of(scene, section, law)
     particles = Particles(len(fill["mass"]), Particles.extras(law, shape, method.transfer_of_points()))
     fill = {name: values for name, values in fill.items() if name in particles.names}
     particles.load(fill)
@@ -77,7 +77,8 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
 
 def wave_speed_of(scene: Scene) -> float:
     """Upper bound of the speed of a plane wave at half the height of the filled silo [m/s]; Taichi has been started."""
-    law, e = scene.law, scene.sand.void_ratio
+    law = scene.law
+    e = min([scene.sand.void_ratio, *(layer.void_ratio for layer in scene.sand.layers)])
     gravity = scene.method.gravity_m_per_s2 / scene.method.mass_scaling
     middle = 0.5 * law.grain_density / (1.0 + e) * gravity * scene.silo.height_m
     return wave_speed(law, (-0.5 * middle, -middle, -0.5 * middle, 0.0), e)
@@ -92,7 +93,8 @@ def noise_control(scene: Scene, period: float) -> NoiseControl:
     """What the scene asks for, scaled to the period of its column [s]."""
     if scene.method.noise_control == "none":
         return NoiseControl()
-    return NoiseControl.for_column(period, scene.silo.height_m / scene.silo.width_m)
+    left, right = fill_shape.sides_m(scene.silo)
+    return NoiseControl.for_column(period, scene.silo.height_m / (right - left))
 
 
 # --- grid and points --------------------------------------------------------------------------------------------------
@@ -121,13 +123,14 @@ def grid_of(scene: Scene, section: Section, copies: int) -> Grid:
     return Grid(section.width, rows_of_cells(scene) * h, h, copies=copies, follows=follows, open_sides=beside)
 
 
-def fill_of(scene: Scene, section: Section, law: Law, density: float) -> dict[str, np.ndarray]:
+def fill_of(scene: Scene, section: Section, law: Law) -> dict[str, np.ndarray]:
     """Fields of the points of the full silo, row after row from the floor, without stress."""
     d = scene.spacing_m
     x, y, volume = scene.silo.lattice(d)
     computed = (x > section.shift) & (x < section.shift + section.width)
     x, y, volume = x[computed] - section.shift, y[computed], volume[computed]
     count, volume = len(x), volume * section.geometry.depth(x)
+    density = law.grain_density / (1.0 + scene.sand.void_ratio_at(y))
     state = {
         "position": np.stack([x, y], axis=1),
         "velocity": np.broadcast_to(0.0, (count, 2)),  # what all points have alike takes no room
@@ -158,13 +161,15 @@ def averaging_of(
 
 def openings_of(scene: Scene, section: Section) -> tuple[Opening, ...]:
     """Where sand leaves, in the frame of the grid; none where the whole floor sinks."""
-    return () if scene.silo.floor_is_outlet else tuple(one.shifted(section.shift) for one in scene.silo.openings)
+    return () if not scene.silo.has_opening else tuple(one.shifted(section.shift) for one in scene.silo.openings)
 
 
 def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[tuple[Wall, ...], Gates | None]:
     """Left, right, bottom; or left, right, and floor, edges (both empty above an open hopper) and gate.
 
-    Of several outlets, or one of a side wall or that opens later, edges and gate of each, and what moves them.
+    Of several outlets, or one of a side wall or that opens later, edges and gate of each, and what moves them. Of a
+    column left, right, the walls that are taken away, and bottom: they recede faster than the sand can follow, and come
+    before the bottom, whose friction else takes from them what it does not take from the others.
     """
     silo, h, side = scene.silo, scene.grid.cell_size_m, scene.walls.contact()
     low = tuple(MARGIN + math.ceil(foot / h - 1e-9) if foot else 0 for foot in silo.feet_m)
@@ -184,6 +189,8 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[tuple[Wall, ..
         rough = not any(band.from_m < fade * h for band in scene.walls.bands)
         fading = [replaced(wall, fade=fade) if rough and isinstance(wall.contact, NoSlip) else wall for wall in sides]
         return (*fading, PlaneWall("bottom", 1, -1, floor, plate, motion=(0.0, 1.0))), None
+    if silo.column_m is not None:
+        return (*sides, *_free_walls(scene, section, grid), PlaneWall("bottom", 1, -1, floor, plate)), None
     if not silo.one_opening:
         return gated(sides, openings_of(scene, section), grid, plate, scene.flow.outflow == "controlled")
     first, last = _edges(scene, section, grid)
@@ -197,6 +204,20 @@ def told(walls: tuple[Wall, ...]) -> tuple[tuple[int, ...], tuple[float, ...]]:
     lines = [wall for wall in walls if isinstance(wall, PlaneWall | FloorRow | SideColumn)]
     owners = tuple(BOTTOM if wall.axis == 1 else LEFT if wall.side < 0 else RIGHT for wall in lines)
     return owners, tuple(wall.motion[0] for wall in walls) if any(wall.motion[0] for wall in walls) else ()
+
+
+def _free_walls(scene: Scene, section: Section, grid: Grid) -> list[PlaneWall]:
+    """The smooth walls that hold a column until it collapses."""
+    found = []
+    for name, side, place, free in zip(
+        ("free_left", "free_right"), (-1, 1), fill_shape.sides_m(scene.silo), fill_shape.free_walls(scene.silo),
+        strict=True,
+    ):  # fmt: skip
+        inside = 0.0 < place - section.shift < section.width
+        if free and inside:
+            node = grid.node_along(place - section.shift)
+            found.append(PlaneWall(name, 0, side, node, Coulomb(), motion=(-float(side), 0.0)))
+    return found
 
 
 def paces(walls: tuple[Wall, ...], grid: Grid) -> np.ndarray:

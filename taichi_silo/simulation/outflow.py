@@ -1,4 +1,4 @@
-"""How the sand gets out of the silo: the bottom or a gate sinks at a given speed, or the gate is opened.
+"""How the sand gets out: the bottom or a gate sinks at a given speed, the gate is opened, or a column collapses.
 
 The next interval follows from the clock and the points, so the flow can be left at a record and gone on with.
 """
@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from taichi_silo.analysis.measure.surface_profile import SurfaceProfile
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.scene import known_limits
+from taichi_silo.scene import fill_shape, known_limits
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import gates
 from taichi_silo.simulation.clock import OPENED, Clock, Interval
@@ -25,12 +26,16 @@ AT_REST_S = 0.25  # without outflow, after which a free flow has stopped; longer
 STEEPEST = 1.5  # largest slope of the start, over its mean
 PARTS = 1001  # of the start, in which its displacement is looked up
 OVER = 0.25  # of the outlet's width, to both sides of its middle: no sand that has flowed freely stays there
+STILL = 0.002  # of the root of g H: mean speed below which a collapsed column rests,
+RESTING = 1.0  # if it lasts for so many times the fall of the column, root of H / g
+OF_FALL = 0.01  # of that fall, an interval of a collapse
+SWEPT = 3.0  # times within that fall points relax to the grid: h^2 / 4 of it each, a viscosity the collapse outruns
 
 
 def duration(scene: Scene, period: float) -> float:
     """Of the flow of a column with this period, at most [s]."""
     flow = scene.flow
-    if flow.outflow == "gravity":
+    if flow.free:
         return flow.longest_s
     begun, steady = start(scene, period), flow.displacement_m / flow.speed_m_per_s
     if steady >= 0.5 * begun:
@@ -55,14 +60,16 @@ def start(scene: Scene, period: float) -> float:
 
 def control(model: Model) -> NoiseControl:
     """The noise control in flow: of free outflow only its relaxation, as its drag would brake what accelerates."""
-    if model.scene.flow.outflow == "gravity" and model.control.drag:
+    if model.scene.flow.outflow == "collapse" and model.control.drag:
+        return NoiseControl(relaxation=min(model.control.relaxation, SWEPT / _fall(model)))
+    if model.scene.flow.free and model.control.drag:
         return NoiseControl(relaxation=model.control.relaxation)
     return model.control
 
 
 def next_interval(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None:
     """The next interval of the flow that the scene asks for, None at its end; the fastest point has this speed."""
-    free = model.scene.flow.outflow == "gravity"
+    free = model.scene.flow.free
     interval = _free(model, clock, fastest_m_per_s) if free else _controlled(model, clock)
     if interval is None or model.gates is None or clock.flow_start is None:
         return interval
@@ -105,8 +112,7 @@ def why_ended(model: Model, clock: Clock) -> str:
     if gates.more_to_open(model.openings, since):
         return ""
     last = clock.flow_start + gates.last_opening(model.openings, since)
-    at_rest = AT_REST_S * math.sqrt(model.scene.method.mass_scaling)
-    return "rest" if clock.time - max(clock.left_at, last) >= at_rest else ""
+    return "rest" if clock.time - max(clock.left_at, last) >= _rest(model) else ""
 
 
 def jam(model: Model, left_share: float) -> str:
@@ -126,10 +132,45 @@ def jam(model: Model, left_share: float) -> str:
 
 
 def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None:
-    """Let the sand fall until the flow has stopped, enough has left, or the time is over."""
+    """Let the sand move until it has stopped, enough has left or a front has run far enough, or the time is over."""
     if why_ended(model, clock):
         return None
+    if model.scene.flow.outflow == "collapse":
+        return Interval(OF_FALL * _fall(model), plate_velocity=(OPENED, OPENED), growth=LANDING, longer=LONGER)
     reach = REACH * model.scene.grid.cell_size_m
     fastest = fastest_m_per_s + model.gravity * model.interval
     duration = min(SHORT * model.interval, reach / fastest)
     return Interval(duration, plate_velocity=(OPENED, OPENED), growth=LANDING, longer=LONGER)
+
+
+def _rest(model: Model) -> float:
+    """How long nothing may move, or leave, before the flow is over [s]."""
+    if model.scene.flow.outflow == "collapse":
+        return RESTING * _fall(model)
+    return AT_REST_S * math.sqrt(model.scene.method.mass_scaling)
+
+
+def _fall(model: Model) -> float:
+    """Root of H / g [s]."""
+    return math.sqrt(model.scene.silo.height_m / model.gravity)
+
+
+def spreads(model: Model, kinetic_energy_J_per_m: float) -> bool:
+    """Whether the sand of a column still moves, by its kinetic energy (that of the computed part)."""
+    mass = model.mass / model.section.factor
+    speed = STILL * math.sqrt(model.gravity * model.scene.silo.height_m)
+    return kinetic_energy_J_per_m > 0.5 * mass * speed**2
+
+
+def run_out(model: Model) -> float:
+    """How far the farther front of a column has run [m]."""
+    section, d = model.section, model.spacing
+    x, area = model.particles.array("position")[:, 0], model.particles.array("volume")
+    area = area / section.geometry.depth(x)
+    profile = SurfaceProfile.of(x, area, d, 0.0, section.width, round(section.width / d))
+    left, right = (side - section.shift for side in fill_shape.sides_m(model.scene.silo))
+    middle = min(max(0.5 * (left + right), 0.5 * d), section.width - 0.5 * d)
+    first, last = profile.fronts_m(middle)
+    free = fill_shape.free_walls(model.scene.silo)
+    computed = free[0] and left > 0.0, free[1] and right < section.width
+    return max(0.0, left - first if computed[0] else 0.0, last - right if computed[1] else 0.0)

@@ -54,7 +54,7 @@ class Simulation:
         self.clock, self.filling = Clock(), filling.Progress()
         self.warnings, self.alarms = known_limits.of_method(scene) + likely_units.of_scene(scene), Alarms()
         self.discharge = None
-        if not scene.silo.floor_is_outlet:
+        if scene.silo.has_opening:
             self.discharge = Discharge(model.particles, -EXIT * scene.grid.cell_size_m, model.openings, model.spacing)
         self.identity = np.arange(model.particles.count)
         self.sums: SimpleNamespace | None = None  # over the points at the last record,
@@ -139,7 +139,9 @@ class Simulation:
         clock.time += duration
         clock.steps += steps
         self._let_go()
-        if interval.gate_is_open:
+        if model.scene.flow.outflow == "collapse":
+            clock.displacement = outflow.run_out(model) if clock.stage == "flow" else 0.0
+        elif interval.gate_is_open:
             clock.displacement = self.discharged / (model.density * model.scene.silo.outlet_share_m)
         else:
             clock.displacement -= interval.travel
@@ -229,7 +231,11 @@ class Simulation:
                 self.solver.filter.keep(kept)
 
     def _let_go(self) -> None:
-        """Count what has passed the openings, and take out what has passed the exit."""
+        """Count what has passed the openings, and take out what has passed the exit; see whether a column spreads."""
+        if self.clock.stage == "flow" and self.scene.flow.outflow == "collapse":
+            if self.sums and outflow.spreads(self.model, self.sums.kinetic_energy):
+                self.clock.left_at = self.clock.time
+            return
         if self.discharge is None or self.clock.stage != "flow":
             return
         self._keep(self.discharge.take_out())

@@ -32,7 +32,7 @@ class WallForces:
     ----------
     section : the part of the silo that the solver computes.
     paces : vertical velocity of the solver's walls on grid lines (walls, slots), as multiples of the speed at which the
-        sand is let out: left, right, and the bottom or floor, edges of the opening and gate.
+        sand is let out: left, right, those that hold a column, and the bottom or floor, edges of the opening and gate.
     bodies : names of the walls that do not, hopper walls and inserts, in the solver's order.
     owners : LEFT, RIGHT or BOTTOM for each of the solver's walls on grid lines, such as a gate in the left wall; if
         not told left, right, and all others the bottom.

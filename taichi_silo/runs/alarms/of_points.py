@@ -8,6 +8,7 @@ from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.wall_pressure import SURFACE
 from taichi_silo.runs.alarms.of_records import Check, smaller_step
 from taichi_silo.runs.certificate import inertial_number, unexplained_densification
+from taichi_silo.scene import fill_shape
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.alarm import Alarm
 from taichi_silo.simulation.record import Record
@@ -29,7 +30,7 @@ def space(scene: Scene) -> shapely.Geometry:
     free = silo.height_m + scene.filling.drop_m + scene.flow.displacement_m
     above = shapely.box(left[-1, 0], left[-1, 1], right[-1, 0], left[-1, 1] + free)
     found = shapely.union(shapely.Polygon(np.concatenate([right, left[::-1]])), above)
-    if not silo.floor_is_outlet:
+    if silo.has_opening:
         for one in silo.openings:
             found = shapely.union(found, shapely.box(*one.box(0.0, BELOW * h)))
             found = shapely.union(found, shapely.box(*one.box(OUTSIDE * h, BELOW * h, BESIDE * h)))
@@ -135,7 +136,8 @@ class Inertia(_Since):
         scene = self.simulation.scene
         path = points["path"] - matched(before, points)["path"]
         number = inertial_number(path, record.time_s - before["time_s"], points["stress"], scene)
-        below = points["position"][:, 1] - self.simulation.origin_m < SURFACE * scene.silo.height_m
+        x, y = points["position"].T
+        below = y - self.simulation.origin_m < SURFACE * fill_shape.top_m(scene.silo, x)
         if not below.any():
             return None
         found = float(np.percentile(number[below], SHARE))

@@ -60,7 +60,7 @@ class FilmRecorder(Observer):
         self.head, self.units = film_states.head(simulation.scene.spacing_m)
         # the rest after the filling takes about ten periods; a longer one adds no frames
         self.filling_span = simulation.model.filling_time + 10.0 * simulation.model.period
-        self.free, self.end_of_flow = flow.outflow == "gravity", flow.displacement_m
+        self.free, self.end_of_flow = flow.free, flow.displacement_m
         if self.free:
             self.end_of_flow = flow.longest_s
 

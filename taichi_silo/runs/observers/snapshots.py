@@ -70,7 +70,7 @@ class Snapshots(Observer):
             return int(OF_FILLING * self.between * min(record.time_s / simulation.model.filling_time, 1.0) + TOLERANCE)
         flow = simulation.scene.flow
         shares = [record.displacement_m / flow.displacement_m]
-        if flow.outflow == "gravity":
+        if flow.free:
             shares.append((record.time_s - simulation.clock.flow_start) / flow.longest_s)
         return sum(int(self.between * share + TOLERANCE) for share in shares)
 

@@ -15,6 +15,7 @@ from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.void_ratio_zones import interior_zone_count, wall_zone_thickness_m
 from taichi_silo.analysis.measure.wall_pressure import cell_mean, clear_of_corner
 from taichi_silo.runs.certificate import certificate
+from taichi_silo.runs.collapse_findings import collapse_findings
 from taichi_silo.runs.flow_findings import flow_findings
 from taichi_silo.runs.janssen_findings import janssen_findings
 from taichi_silo.runs.method_choices import parts
@@ -74,7 +75,9 @@ class Summary(Observer):
     def _part(self, record) -> float:
         """How far the flow has come: of the displacement, or in free outflow of 15 % of the sand."""
         scene = self.simulation.scene
-        if scene.flow.outflow == "gravity":
+        if scene.flow.outflow == "collapse":  # which has no steady pattern
+            return 0.0
+        if scene.flow.free:
             return record.discharged_kg_per_m / (EARLY * self.simulation.model.mass)
         return record.displacement_m / scene.flow.displacement_m
 
@@ -146,7 +149,9 @@ class Summary(Observer):
             records = cache(lambda: rows_of(folder))
             yield "forces", lambda: self._forces(records())
             yield "certificate", lambda: {"certificate": self._certificate(records())}
-        if self.after_filling is not None:
+        if self.after_filling is not None and simulation.scene.flow.outflow == "collapse":
+            yield "collapse", lambda: {"collapse": collapse_findings(folder)}
+        elif self.after_filling is not None:
             yield "filling", lambda: {"janssen": self._janssen(found["filling"])}
             yield "theory", lambda: {"theory": self._theory(found["janssen"])}
             yield "shear zones", lambda: {"shear_zones": self._zones()}

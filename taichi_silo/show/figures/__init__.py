@@ -13,6 +13,7 @@ from matplotlib import rc_context
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import no_link
 from taichi_silo.show.figures.batch import batch_figure
+from taichi_silo.show.figures.collapse import run_collapse_figure
 from taichi_silo.show.figures.forces import run_angle_figure, run_forces_figure
 from taichi_silo.show.figures.outflow import run_outflow_figure
 from taichi_silo.show.figures.response import response_figure
@@ -27,6 +28,7 @@ RUN_FIGURES = {
     "forces": run_forces_figure,
     "wall_friction_angle": run_angle_figure,
     "void_ratio": run_void_ratio_figure,
+    "collapse": run_collapse_figure,
     "wall_stress": run_wall_stress_figure,
     "outflow": run_outflow_figure,
 }

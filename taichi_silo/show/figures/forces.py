@@ -203,9 +203,10 @@ def x_axis(panel, group):
         panel.set_xlim(left=0.0)
     else:
         last = max(run.flow["displacement_m"].max() for run in group if not run.flow.empty)
+        moves = "run-out of the front" if all(run.scene.flow.outflow == "collapse" for run in group) else ""
         what = "bottom" if all(run.scene.silo.floor_is_outlet for run in group) else "outlet"
         unit, per_m = displacement_unit(group)
-        panel.set_xlabel(f"displacement u of the {what} ({unit})")
+        panel.set_xlabel(f"{moves or f'displacement u of the {what}'} ({unit})")
         if last > 0.0:
             panel.set_xlim(0.0, per_m * last)
     panel.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))

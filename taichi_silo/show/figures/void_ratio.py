@@ -63,6 +63,8 @@ def run_void_ratio_figure(run: Result) -> Figure | None:
     if not rows:
         return None
     fields = [field_of(run, row["file"]) for row in rows]
+    if not any(len(void_ratio) for _, void_ratio, _ in fields):
+        return None
     unit, per_m = length_unit(max(run.scene.silo.height_m, run.scene.silo.width_m))
     norm, limits = color_range(fields), limits_of(fields, per_m)
     height = 4.8
@@ -135,6 +137,7 @@ def color_range(fields) -> Normalize:
 
 def limits_of(fields, per_m: float = 1e3):
     """Ends (low, high) of x and of height around all fields, in units of which so many make a metre: mm, or m."""
+    fields = [field for field in fields if len(field[1])]  # an empty silo has no ends
     low = np.min([np.min(position - 0.5 * side[:, None], axis=0) for position, _, side in fields], axis=0)
     high = np.max([np.max(position + 0.5 * side[:, None], axis=0) for position, _, side in fields], axis=0)
     rim = 2.0 if per_m > 1.0 else EDGE * (high[1] - low[1])

@@ -96,7 +96,9 @@ def without_white(frame: np.ndarray) -> np.ndarray:
 def course_of(scene: Scene) -> Course:
     """What the curves of a scene are drawn against."""
     per = "metre of girth" if scene.silo.section == "round" else "metre run"
-    if scene.flow.outflow == "gravity":
+    if scene.flow.outflow == "collapse":
+        return Course(scene.flow.longest_s, "time since the walls were taken away (s)", "free since", "s", 1.0, per=per)
+    if scene.flow.free:
         return Course(scene.flow.longest_s, "time since the outlet opened (s)", "open since", "s", 1.0, per=per)
     unit, per_m = length_unit(scene.flow.displacement_m)
     what = "bottom displacement u" if scene.silo.floor_is_outlet else "displacement u of the outlet"

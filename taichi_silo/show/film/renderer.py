@@ -46,7 +46,7 @@ class Renderer:
         self.history, self.field = history, field_of(look.field)
         silo = history.scene.silo
         way = None
-        if not silo.floor_is_outlet and silo.one_opening:
+        if silo.has_opening and silo.one_opening:
             way = Way(*silo.outlet_m, whole(history.scene).bottom - history.scene.spacing_m)
         self.between = Between(states or history, self._values, way)
         self.scale = scale or scale_of(history, look, states is not None)

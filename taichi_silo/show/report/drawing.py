@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from taichi_silo.runs.result import Result
-from taichi_silo.scene import polygons
+from taichi_silo.scene import fill_shape, polygons
 from taichi_silo.scene.silo import Silo
 from taichi_silo.show.report.words import mm
 
@@ -80,7 +80,8 @@ def drawing(run: Result) -> str:
     sheet = Sheet(silo)
     wide, high = silo.width_m, silo.height_m
     left, right = ([*side[side[:, 1] < high], (polygons.place(side, high), high)] for side in silo.sides)
-    sheet.shape([*right, *left[::-1]], "sand")
+    filled = silo.body.intersection(fill_shape.region(silo))
+    sheet.shape(filled.exterior.coords[:-1], "sand")
     for solid in silo.solids():
         sheet.shape(solid, "solid")
     top = high * (1.0 + FREEBOARD)
@@ -90,6 +91,9 @@ def drawing(run: Result) -> str:
     if silo.section == "round":
         sheet.line(sheet.at(0.5 * wide, top), sheet.at(0.5 * wide, -0.03 * high), "axis")
     _floor(sheet, run)
+    for x, free in zip(fill_shape.sides_m(silo), fill_shape.free_walls(silo), strict=True):
+        if free:
+            sheet.line(sheet.at(x, 0.0), sheet.at(x, top), "gate")
     _dimensions(sheet, silo)
     return sheet.svg(f"Section of the silo, {mm(wide)} wide and filled {mm(high)} high")
 
@@ -98,6 +102,10 @@ def _floor(sheet: Sheet, run: Result) -> None:
     """Floor, gate, and an arrow where the sand leaves."""
     silo = run.scene.silo
     first, last = silo.floor_m
+    if silo.column_m is not None:
+        sheet.line(sheet.at(first, 0.0), sheet.at(last, 0.0), "wall")
+        sheet.words(0.5 * sheet.size[0], sheet.size[1] - 10.0, "walls of the column taken away")
+        return
     openings = sorted((one.low, one.high) for one in silo.openings if one.in_floor)
     for begin, end in zip((first, *(high for _, high in openings)), (*(low for low, _ in openings), last), strict=True):
         if end > begin:
@@ -124,7 +132,7 @@ def _dimensions(sheet: Sheet, silo: Silo) -> None:
     (x0, y0), (x1, _) = sheet.at(0.0, 0.0), sheet.at(wide, 0.0)
     sheet.dimension((x0, top), (x1, top), f"{'⌀ ' if silo.section == 'round' else ''}{mm(wide)}")
     sheet.dimension((x0 - 26.0, sheet.at(0.0, high)[1]), (x0 - 26.0, y0), mm(high))
-    if not silo.floor_is_outlet:
+    if silo.has_opening:
         for one in silo.openings:
             if one.in_floor:
                 left, right = (sheet.at(x, 0.0)[0] for x in (one.low, one.high))

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from taichi_silo.runs.result import Result
+from taichi_silo.scene import fill_shape
 from taichi_silo.show.report.states import (
     STATES,
     discharge_rate_kg_per_s_m,
@@ -64,6 +65,8 @@ def _forces(run: Result) -> list[Card]:
     forces = forces_of(run)
     weight = run.summary.get("weight_N_per_m")
     below = "bottom" if run.scene.silo.floor_is_outlet else "outlet" if run.scene.silo.hopper else "floor and outlet"
+    if run.scene.silo.column_m is not None:
+        below = "floor"
     names = {"N": "Wall normal force N", "T": "Wall friction force T", "P": f"Force P on the {below}"}
     cards = []
     for name, title in names.items():
@@ -132,6 +135,8 @@ def _discharge(run: Result) -> Card | None:
         depth = mm(flow.displacement_m)
         words = f"the whole bottom sinks by {depth}; the sand stays on it, so the flow has no rate of discharge"
         return Card("Outflow", plain(1e3 * flow.speed_m_per_s), "mm/s", sentence(words))
+    if flow.outflow == "collapse":
+        return _run_out(run)
     rate = discharge_rate_kg_per_s_m(run)
     if rate is None:
         return None
@@ -145,6 +150,17 @@ def _discharge(run: Result) -> Card | None:
     return Card("Discharge rate", number(rate), "kg/s per m", sentence(words))
 
 
+def _run_out(run: Result) -> Card | None:
+    found = run.summary.get("collapse")
+    if not found:
+        return None
+    words = (
+        f"(L − L₀) / L₀ of a column with H₀ / L₀ = {number(found['aspect_ratio'])}; it rests with H / L₀ = "
+        f"{number(found['height_over_L0'])} and a slope of {number(found['slope_deg'])}°"
+    )
+    return Card("Run-out", number(found["run_out_over_L0"]), "L₀", words)
+
+
 def in_one_sentence(run: Result) -> str:
     """Say in one sentence what was computed; it stands below the title."""
     silo, flow = run.scene.silo, run.scene.flow
@@ -152,6 +168,12 @@ def in_one_sentence(run: Result) -> str:
         f"A silo between parallel walls {mm(silo.width_m)} apart"
     )  # fmt: skip
     words = f"{body}, filled {mm(silo.height_m)} high"
+    if flow.outflow == "collapse":
+        left, right = fill_shape.sides_m(silo)
+        return (
+            f"A column of sand, {mm(right - left)} wide and {mm(silo.height_m)} high, whose walls are taken away on a "
+            f"floor {mm(silo.width_m)} wide."
+        )
     if run.free:
         return f"{words}; the outlet is opened and the sand falls out."
     what = "whole bottom is lowered" if silo.floor_is_outlet else "gate in the outlet sinks"

@@ -57,6 +57,8 @@ def _filling(run: Result) -> str:
 
 def _outflow(run: Result) -> str:
     flow = run.scene.flow
+    if flow.outflow == "collapse":
+        return "The walls of the column are taken away at once, and the sand spreads until it rests."
     if run.free:
         longest = plain(flow.longest_s)
         words = f"The outlet is opened and the sand falls out by its weight, until it stops or {longest} s have passed."

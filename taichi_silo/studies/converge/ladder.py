@@ -75,7 +75,7 @@ class Ladder:
         own, flow, method = self.scene.flow.speed_m_per_s, self.scene.flow, self.scene.method
         slow = SLOW * math.sqrt(method.gravity_m_per_s2 * self.scene.silo.width_m / method.mass_scaling)
         most = min(slow, outflow.reached_m_per_s(self.scene) / FASTER ** (SPEEDS - 1))
-        if flow.outflow == "gravity" or own >= most:
+        if flow.free or own >= most:
             return own
         return own * FASTER ** math.floor(math.log(most / own, FASTER) + 1e-9)
 

@@ -59,7 +59,7 @@ def quantities(run: Result) -> dict[str, Quantity]:
     zones = [_number(summary.get("shear_zones", {}).get(wall, {}).get("thickness_m")) for wall in WALLS]
     if min(zones) > 0.0:
         found["zone_thickness"] = Quantity(float(np.mean(zones)), "m", math.nan)
-    if not run.scene.silo.floor_is_outlet:
+    if run.scene.silo.has_opening:
         found["discharge_rate"] = Quantity(_number(discharge_rate_kg_per_s_m(run)), "kg/(s m)", math.nan)
     return {name: one for name, one in found.items() if math.isfinite(one.value)}
 
