@@ -15,7 +15,7 @@ import pandas as pd
 from typer import Option
 
 from taichi_silo.cli import command_line, model_silo
-from taichi_silo.scene.scene import Filling, Flow, Machine, Mesh, Sand, Scene, Silo
+from taichi_silo.scene.scene import Averaging, Filling, Flow, Machine, Mesh, Sand, Scene, Silo
 from taichi_silo.studies.run_all import run_all
 from taichi_silo.studies.sweep.runs import Run
 
@@ -43,7 +43,7 @@ def fillings(
             scene = Scene(
                 silo=Silo(half="no"), sand=Sand(void_ratio=void_ratio),
                 walls=model_silo.walls(walls, void_ratio), grid=Mesh(cell_size_m=cell_size),
-                filling=Filling(kind=way, layers=layers, drop_m=drop),
+                averaging=Averaging(characteristic_length_m=0.0), filling=Filling(kind=way, layers=layers, drop_m=drop),
                 flow=Flow(speed_m_per_s=speed, displacement_m=displacement), machine=Machine(threads=1),
             )  # fmt: skip
             runs[f"{walls}, {way}"] = Run(scene, output / f"{walls}_{way}")

@@ -12,7 +12,7 @@ from typing import Annotated
 
 from typer import Option
 
-from taichi_silo import Flow, Machine, Mesh, Method, Scene
+from taichi_silo import Averaging, Flow, Machine, Mesh, Method, Scene
 from taichi_silo.cli import command_line, flags, model_silo
 from taichi_silo.scene import sands
 from taichi_silo.studies.run_all import run_all
@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # as a plain scrip
 from validation.case_figures import plot_cases  # noqa: E402
 from validation.case_tables import write_tables  # noqa: E402
 
-LAW = "gudehus-bauer"  # the paper's
+LAW, LENGTH_M = "gudehus-bauer", 0.0015  # the paper's
 
 
 def four_cases(
@@ -45,6 +45,7 @@ def four_cases(
                 sand=sands.sand(sand, void_ratio, law=LAW),
                 walls=model_silo.walls(walls, void_ratio),
                 grid=Mesh(cell_size_m=cell_size, shape=shape),
+                averaging=Averaging(characteristic_length_m=LENGTH_M),
                 flow=Flow(speed_m_per_s=speed, displacement_m=displacement),
                 method=Method(**method),
                 machine=Machine(threads=1),

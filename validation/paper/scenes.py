@@ -1,10 +1,11 @@
 """The scenes of the paper's cases."""
 
 from taichi_silo.scene import sands
-from taichi_silo.scene.scene import Flow, Machine, Mesh, Scene, Walls
+from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Scene, Walls
 from taichi_silo.scene.silo import Outlet, Silo
 from validation.paper.cases import CASES, Case
 
+LENGTH_M = 0.0015  # characteristic length of the paper's silos
 LONGEST_S = 4.0  # of free outflow; it ends before if the flow stops
 
 
@@ -25,6 +26,7 @@ def scene_of(case: Case, cell_size_m: float = 0.005, speed_m_per_s: float = 0.00
         sand=sands.sand("karlsruhe", case.void_ratio, law=law),
         walls=Walls(kind=case.walls, friction_angle_deg=case.wall_friction_angle_deg),
         grid=Mesh(cell_size_m=cell_size_m),
+        averaging=Averaging(characteristic_length_m=LENGTH_M),
         flow=flow,
         machine=Machine(threads=1),
     )

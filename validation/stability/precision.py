@@ -11,7 +11,7 @@ import sys
 import numpy as np
 
 from taichi_silo.mpm import runtime
-from taichi_silo.scene.scene import Flow, Machine, Mesh, Scene, Silo, Walls
+from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import Simulation
 from validation.stability.measurement import Measurement, measurements
 
@@ -31,6 +31,7 @@ def flow(speed: float) -> dict[str, float]:
     """
     scene = Scene(
         silo=Silo(width_m=0.2, height_m=0.5), walls=Walls(kind="very-rough"), grid=Mesh(cell_size_m=0.02),
+        averaging=Averaging(characteristic_length_m=0.0),
         flow=Flow(speed_m_per_s=speed, displacement_m=DISPLACEMENT_M), machine=Machine(threads=1),
     )  # fmt: skip
     simulation = Simulation(scene)

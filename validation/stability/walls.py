@@ -10,7 +10,7 @@ from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.mpm.velocity_transfer import Flip
 from taichi_silo.mpm.walls import Coulomb, PlaneWall
 from taichi_silo.runs.theories import janssen_of
-from taichi_silo.scene.scene import Flow, Machine, Mesh, Sand, Scene, Silo, Walls
+from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Sand, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import Simulation
 from validation.stability.bodies import block, change, solver
 from validation.stability.emptying import empty
@@ -30,7 +30,8 @@ def corner(shape: str, cell: float = 0.01) -> dict[str, float]:
     """
     scene = Scene(
         silo=Silo(width_m=0.1, height_m=0.2), walls=Walls(kind="very-rough"), grid=Mesh(cell_size_m=cell, shape=shape),
-        flow=Flow(speed_m_per_s=0.005, displacement_m=0.005), machine=Machine(threads=1),
+        averaging=Averaging(characteristic_length_m=0.0), flow=Flow(speed_m_per_s=0.005, displacement_m=0.005),
+        machine=Machine(threads=1),
     )  # fmt: skip
     simulation = Simulation(scene)
     records = list(simulation.run())
