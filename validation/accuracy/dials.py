@@ -20,19 +20,20 @@ def _lengths(cell: float, *shares: float) -> list[Settings]:
 
 
 GRIDS_M = {  # of the runs from which the truth of a scene is extrapolated; thin shear zones need fine ones
-    "very-rough": (0.0025, 0.002, 0.2 / 130), "outlet": (0.004, 0.0025, 0.002), "": (0.01, 0.005, 0.0025),
+    "very-rough dense": (0.0025, 0.002, 0.00153846154), "very-rough loose": (0.003125, 0.0025, 0.002),
+    "outlet": (0.005, 0.004, 0.0025), "": (0.01, 0.005, 0.0025),
 }  # fmt: skip
 LOCAL, AS_LONG = "cells of a local law", "cells as long as the law"
 DIALS: dict[str, list[Settings]] = {
-    LOCAL: _values(CELL, 0.02, 0.01, 0.005),
-    AS_LONG: [one for cell in (0.02, 0.01, 0.005, 0.0025) for one in _lengths(cell, 1.0)],
-    "length on 10 mm cells": _lengths(0.01, 0.5, 1.0, 2.0),
+    LOCAL: [{CELL: cell, LENGTH: 0.0} for cell in (0.02, 0.01, 0.005)],
+    AS_LONG: [one for cell in (0.02, 0.01, 0.005) for one in _lengths(cell, 1.0)],
+    "length on 10 mm cells": _lengths(0.01, 0.25, 0.5, 1.0, 2.0),
     SLOW: _values(SPEED, *SPEEDS),
     "points a cell": _values("grid.points_per_cell", 1, 4),
     OF_VERY_ROUGH: [{"averaging.wall": wall} | _lengths(0.01, 1.0)[0] for wall in ("ignored", "rigid")],
 }
 CHANGES = {  # of a part of the method: the two settings between which it is told what it changes
-    "non-local average": ((LOCAL, "5 mm"), (AS_LONG, "5 mm, 5 mm")),
+    "non-local average": ((LOCAL, "5 mm, 0 mm"), ("fidelity", "standard")),
     "points a cell": (("points a cell", "1"), ("points a cell", "4")),
 }
 METHOD: dict[str, list[Settings]] = {
