@@ -33,7 +33,7 @@ DIALS: dict[str, list[Settings]] = {
     OF_VERY_ROUGH: [{"averaging.wall": wall} | _lengths(0.01, 1.0)[0] for wall in ("ignored", "rigid")],
 }
 CHANGES = {  # of a part of the method: the two settings between which it is told what it changes
-    "non-local average": ((LOCAL, "5 mm, 0 mm"), ("fidelity", "standard")),
+    "non-local average": ((LOCAL, "10 mm, 0 mm"), (BASE_DIAL, "all as it is")),
     "points a cell": (("points a cell", "1"), ("points a cell", "4")),
 }
 METHOD: dict[str, list[Settings]] = {
