@@ -2,7 +2,7 @@
 
 import importlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -30,14 +30,14 @@ COMMANDS = (
 )  # in the order of the help
 
 
-def make() -> typer.Typer:
-    """The app with all commands."""
+def make(names: Iterable[str] = COMMANDS) -> typer.Typer:
+    """The app with these commands."""
     app = typer.Typer(
         name="taichi-silo", no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode="markdown",
         help="Sand flowing in silos: wall pressures, flow pattern, films of the shear zones. All units are SI.",
     )  # fmt: skip
     app.callback()(plugged)
-    for name in COMMANDS:
+    for name in names:
         module = importlib.import_module(f"taichi_silo.cli.commands.{name}")
         app.command(name, **getattr(module, "OPTIONS", {}))(getattr(module, "command", None) or getattr(module, name))
     return app
@@ -79,8 +79,10 @@ def plugins_first(words: Sequence[str]) -> list[str]:
 
 
 def main() -> None:
-    """Run the program."""
-    serve(make(), "taichi-silo", plugins_first(sys.argv[1:]))
+    """Run the program, with no more than the command that is asked for: each takes time to make."""
+    words = plugins_first(sys.argv[1:])
+    asked = next((word for word in words if word in COMMANDS), None)
+    serve(make([asked] if asked else COMMANDS), "taichi-silo", words)
 
 
 if __name__ == "__main__":
