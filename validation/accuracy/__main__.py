@@ -20,7 +20,7 @@ from typer import Option
 from taichi_silo.cli import command_line
 from taichi_silo.errors import BadInput, RunFailed
 from taichi_silo.runs.cost_estimate import START_S, Cost, at_pace, rehearse
-from taichi_silo.runs.run_folder import writable
+from taichi_silo.runs.run_folder import claim, writable
 from taichi_silo.scene.scene import cores
 from taichi_silo.show.figures.style import STYLE
 from taichi_silo.simulation.simulation import Simulation
@@ -34,21 +34,25 @@ from validation.accuracy.scenes import SCENES
 
 
 def chart(
-    walls: Annotated[str, Option(help="all, or some scenes by name, separated by commas")] = "all",
+    full: Annotated[bool, Option("--full", help="every part of the method in every scene, not in one alone")] = False,
+    walls: Annotated[
+        str, Option(help="all, or scenes separated by commas, by name or by walls: very-rough, rough, smooth, outlet")
+    ] = "all",
     dial: Annotated[str, Option(help="all, or some dials by name, separated by commas")] = "all",
     jobs: Annotated[int | None, Option(help="runs at a time, one core each; all cores if not given", min=1)] = None,
     estimate: Annotated[bool, Option("--estimate", help="only say what it would cost")] = False,
     output: Annotated[Path, Option(help="folder")] = Path("outputs/chart"),
+    overwrite: Annotated[bool, Option("--overwrite", help="run anew what is there")] = False,
 ):
     """Measure error against cost for every setting of the method."""
     names, wanted = chosen("walls", walls, list(SCENES)), chosen("dial", dial, list(dials()))
     if jobs is not None and jobs > cores():
         raise BadInput(f"jobs is {jobs}; this machine has 1 to {cores()} cores")
     jobs, output, console = jobs or cores(), output.expanduser().resolve(), Console()
-    rows = study.planned(names, wanted, output / "runs")
+    rows = study.planned(names, wanted, output / "runs", full)
     runs = {f"{row.scene}, {row.dial} {row.setting}": row.run for row in rows}
     once = {run.folder: name for name, run in reversed(runs.items())}
-    missing = {name: runs[name] for name in once.values() if not runs[name].finished}
+    missing = {name: runs[name] for name in once.values() if overwrite or not runs[name].finished}
     expected = foretold(missing)
     seconds = [cost.core_seconds + START_S for cost in expected.values()]
     minutes = max(sum(seconds) / jobs, max(seconds, default=0.0)) / 60.0
@@ -56,6 +60,9 @@ def chart(
     if estimate:
         return
     writable(output)
+    for run in missing.values() if overwrite else ():
+        run.folder.mkdir(parents=True, exist_ok=True)
+        claim(run.folder, overwrite=True)
     failures = simulate(missing, jobs, console, expected=expected) if missing else {}
     told = {name: study.truth(rows, name) for name in names}
     frame = study.rows(rows, told)
@@ -85,12 +92,15 @@ def foretold(missing: dict[str, Run]) -> dict[str, Cost]:
 
 
 def chosen(flag: str, text: str, known: list[str]) -> list[str]:
-    """The names of a flag, in the order that they are known in; raises BadInput if one is not."""
-    asked = known if text == "all" else [name.strip() for name in text.split(",")]
-    for name in asked:
-        if name not in known:
-            raise BadInput(f"{flag} is {name}; it must be all, or some of {', '.join(known)}")
-    return [name for name in known if name in asked]
+    """The names of a flag, whole or by their first word, in the order that they are known in.
+
+    Raises BadInput if one is not known.
+    """
+    asked = {name.strip() for name in text.split(",")} - {"all", "both"}
+    found = {name: {name, name.split(" ")[0]} & asked for name in known}
+    for name in sorted(asked - set().union(*found.values())):
+        raise BadInput(f"{flag} is {name}; it must be all, or some of {', '.join(known)}")
+    return [name for name in known if found[name] or not asked]
 
 
 if __name__ == "__main__":

@@ -61,9 +61,10 @@ def dials() -> dict[str, list[Settings]]:
     return {BASE_DIAL: [{}], FINE: [], **DIALS, **METHOD, NAMED: named}
 
 
-def turned(dial: str, scene: str) -> list[Settings]:
-    """The settings of a dial in a scene; none where it has no meaning, or is measured in others of its kind."""
-    if dial == OF_VERY_ROUGH and "very-rough" not in scene or dial in METHOD and scene not in TYPICAL:
+def turned(dial: str, scene: str, full: bool = False) -> list[Settings]:
+    """The settings of a dial in a scene; none where it has no meaning, or, if not `full`, is measured in another."""
+    elsewhere = dial in METHOD and scene not in TYPICAL and not full
+    if elsewhere or dial == OF_VERY_ROUGH and "very-rough" not in scene:
         return []
     if dial == FINE:
         return _values(CELL, *next(grids for kind, grids in GRIDS_M.items() if kind in scene))

@@ -33,16 +33,16 @@ class Row:
     run: Run
 
 
-def planned(names: list[str], wanted: list[str], folder: Path) -> list[Row]:
+def planned(names: list[str], wanted: list[str], folder: Path, full: bool = False) -> list[Row]:
     """All rows of some scenes and dials, and those that the truth needs.
 
-    Rows of one scene whose values are the same share a run.
+    Rows of one scene whose values are the same share a run. `full` is as of `dials.turned`.
     """
     rows: list[Row] = []
     for name in names:
         runs: dict[str, Run] = {}
         for dial in dict.fromkeys((*wanted, dials.FINE, dials.SLOW)):
-            for setting in dials.turned(dial, name):
+            for setting in dials.turned(dial, name, full):
                 words, one = dials.words(setting), scenes.scene(name, dials.settings(setting, scenes.scene(name, {})))
                 called = re.sub(r"[^a-z0-9.]+", "-", f"{dial} {words}".lower())
                 run = runs.setdefault(_key(one), Run(one, folder / name.replace(" ", "_") / called))
