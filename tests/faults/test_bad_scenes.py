@@ -23,6 +23,8 @@ OPTIONAL = {
     "silo.outlet.": {"width_m": 0.1},
     "silo.hopper.": {"half_angle_deg": 30.0, "outlet_width_m": 0.1},
     "silo.inserts.0.": [{"kind": "roof", "width_m": 0.06, "bottom_m": 0.1}],
+    "sand.layers.0.": [{"from_m": 0.1, "void_ratio": 0.7}],
+    "walls.bands.0.": [{"to_m": 0.1, "friction_angle_deg": 10.0}],
 }
 
 
@@ -49,7 +51,7 @@ def with_value(path, value):
     tables = copy.deepcopy(TABLES)
     for before, table in OPTIONAL.items():
         if f"{path}.".startswith(before):
-            tables["silo"][before.split(".")[1]] = copy.deepcopy(table)
+            tables.setdefault(before.split(".")[0], {})[before.split(".")[1]] = copy.deepcopy(table)
     *names, last = path.removesuffix(".0").split(".")
     table = tables
     for name in names:
@@ -111,7 +113,7 @@ def test_an_unknown_name_is_refused(table, tried):
         tables = with_value("silo.width_m", 0.2)
         for before, optional in OPTIONAL.items():
             if f"{table}.".startswith(before.replace(".0", "")):
-                tables["silo"][table.split(".")[1]] = copy.deepcopy(optional)
+                tables.setdefault(table.split(".")[0], {})[table.split(".")[1]] = copy.deepcopy(optional)
         inner = tables
         for step in filter(None, table.split(".")):
             inner = inner.setdefault(step, {})

@@ -52,7 +52,7 @@ def line(files=(), file=None, vary=(), **flags):
 
 def test_a_path_makes_the_tables_and_the_list_entries_on_its_way():
     scene = changed(Scene(), {"silo.outlet.position": "right", "silo.outlet.width_m": 0.08})
-    assert scene.silo.outlet.model_dump() == {"width_m": 0.08, "position": "right"}
+    assert (scene.silo.outlet.width_m, scene.silo.outlet.position) == (0.08, "right")
     roof = {"kind": "roof", "width_m": 0.06, "bottom_m": 0.1}
     scene = changed(scene, {f"silo.inserts.0.{name}": one for name, one in roof.items()})
     assert value(scene, "silo.inserts.0.width_m") == 0.06 and value(scene, "silo.inserts.1.width_m") is None
@@ -145,6 +145,7 @@ def test_columns_are_what_was_asked_for_and_what_differs(tmp_path):
     found = made("method.cfl=0.2", files=(tmp_path / "loose.toml", tmp_path / "dense.toml"))
     # dense sand is between very rough walls here, of which no half is computed
     columns = {"method.cfl", "sand.void_ratio", "walls.kind", "walls.friction_angle_deg", "silo.half"}
+    columns.add("averaging.characteristic_length_m")  # half a cell between very rough walls
     assert set(differences(found, ["method.cfl"])) == columns
 
 
@@ -396,7 +397,7 @@ def test_a_sweep_on_a_cluster_needs_dask_and_one_on_this_machine_does_not(monkey
     with pytest.raises(BadInput, match="needs taichi-silo.cluster"):
         Scheduler(address="tcp://a:1").check()
     Local().check()
-    with pytest.raises(BadInput, match="jobs is 9999; this machine has 1 to"):
+    with pytest.raises(BadInput, match="jobs is 9999; this machine has "):
         Local(jobs=9999).check()
 
 

@@ -166,7 +166,9 @@ def test_share_of_the_own_weight_on_a_lattice(spacing_mm, weight):
 
 
 def test_a_scene_says_when_non_locality_is_inactive_and_then_leaves_it_out():
-    coarse, fine = Scene(), Scene(grid=Mesh(cell_size_m=0.0025))
+    smooth = Walls(kind="smooth", friction_angle_deg=19.0)
+    coarse, fine = Scene(walls=smooth), Scene(grid=Mesh(cell_size_m=0.0025))
+    assert kernel_of(Scene())[0] == Gaussian(0.0025), "half a cell, between very rough walls"
     kernel, sentence = kernel_of(coarse)
     assert kernel is None
     assert sentence.startswith("Non-locality is inactive")
@@ -176,7 +178,9 @@ def test_a_scene_says_when_non_locality_is_inactive_and_then_leaves_it_out():
     kernel, sentence = kernel_of(fine.model_copy(update={"averaging": Averaging(characteristic_length_m=0.0)}))
     assert kernel is None
     assert "local" in sentence
-    printed = Scene(averaging=Averaging(weight="exponential"))  # its tail reaches the next point even at 5 mm
+    printed = Scene(
+        averaging=Averaging(weight="exponential"), walls=smooth
+    )  # its tail reaches the next point even at 5 mm
     assert kernel_of(printed)[0] == Exponential(LENGTH)
 
 
