@@ -78,10 +78,3 @@ def test_a_column_in_the_middle_spreads_to_both_sides_alike(tmp_path):
     last = np.genfromtxt(run.folder / "collapse.csv", delimiter=",", names=True)[-1]
     assert last["left_run_out_m"] == pytest.approx(last["right_run_out_m"], abs=1e-9)
     assert last["left_run_out_m"] > 0.01
-
-
-def test_a_round_column_spreads_less_far_than_one_in_a_channel(tmp_path, runs):
-    """The same height over radius: a front that runs outwards thins as its girth grows."""
-    silo = {"section": "round", "width_m": 0.6, "column_m": [0.2, 0.4]}
-    found = collapsed(tmp_path / "run", 1.5, **silo).summary["collapse"]
-    assert 0.5 < found["run_out_over_L0"] < runs[1.5].summary["collapse"]["run_out_over_L0"]
