@@ -41,7 +41,9 @@ def left(stopped, tmp_path):
 
 def spoil(file):
     content = bytearray(file.read_bytes())
-    content[len(content) // 2] ^= 0xFF
+    middle = len(content) // 2
+    for place in range(middle, middle + 64):  # longer than what no reader looks at, as the time of a member
+        content[place] ^= 0xFF
     file.write_bytes(content)
 
 
