@@ -19,8 +19,8 @@ class Averaging(Options):
         None,
         ge=0,
         le=1000,
-        description="characteristic length of the non-local law, 0 for a local law; if absent 3 d50, between very "
-        "rough walls half a cell if that is more",
+        description="characteristic length of the non-local law, 0 for a local law; if absent 3 d50, or half a "
+        "cell if that is more and a whole bottom sinks under dense sand between very rough walls",
     )
     weight: Literal["gaussian", "exponential"] = Field(
         "gaussian", description="weight of neighbours; the paper prints exponential"

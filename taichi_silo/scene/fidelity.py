@@ -45,7 +45,7 @@ class Fidelity:
         across = max(self.across, cell_sizes.wanted_across(silo) * self.across / cell_sizes.ACROSS)
         cell = cell_sizes.nearest(silo, across) or silo.width_m / across
         found = {"grid.cell_size_m": cell, "flow.speed_m_per_s": min(self.hurry * slow, FASTEST_M_PER_S)}
-        if self.of_cell > OF_CELL and scene.walls.kind == "very-rough":
+        if self.of_cell > OF_CELL and scene.sticks:
             found["averaging.characteristic_length_m"] = max(3.0 * scene.sand.d50_m, self.of_cell * cell)
         return found
 

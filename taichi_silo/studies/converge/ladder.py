@@ -94,7 +94,7 @@ class Ladder:
 
     def length(self, step: int) -> float:
         """Length of the law in the main run of a step [m]."""
-        return max(self.aim_m, OF_CELL * self.cell(step)) if self.scene.walls.kind == "very-rough" else self.aim_m
+        return max(self.aim_m, OF_CELL * self.cell(step)) if self.scene.sticks else self.aim_m
 
     def main(self, step: int) -> Rung:
         """The main run of a step."""
