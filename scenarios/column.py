@@ -32,11 +32,6 @@ def expected_run_out(aspect: float) -> float:
     return max(1.2 * aspect, 1.9 * aspect ** (2.0 / 3.0)) if aspect > 1.8 else 1.2 * aspect
 
 
-def expected_height(aspect: float) -> float:
-    """H / L0 at the end, after Lube et al. (2005)."""
-    return aspect if aspect < 1.15 else aspect**0.4
-
-
 def adapt(
     tables: dict[str, Any],
     column_width: Annotated[float, Option(help="breadth of the column [m]")] = 0.1,
