@@ -34,7 +34,7 @@ def run_collapse_figure(run: Result) -> Figure | None:
         surface.plot(per_m * profile.middle_m, per_m * heights, color=color, label=f"{since:.2f} s")
     surface.set(xlabel=f"x ({unit})", ylabel=f"height ({unit})", aspect="equal", ylim=(0.0, None))
     surface.set_xlim(0.0, per_m * run.scene.silo.width_m)
-    surface.legend(title="time since the wall", loc="center left", bbox_to_anchor=(1.0, 0.5))
+    surface.legend(title="time", loc="center left", bbox_to_anchor=(1.0, 0.5))
     course.plot(table.time_s, table.run_out_over_L0, color=BLUE, label="run-out (L − L₀) / L₀")
     course.plot(table.time_s, table.height_m / first_length_m(run.scene), color=VERMILLION, label="height H / L₀")
     course.set(xlabel="time since the walls were taken away (s)", ylim=(0.0, None), xlim=(0.0, None))
