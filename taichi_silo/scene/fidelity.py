@@ -14,7 +14,6 @@ from typing import Any
 
 from taichi_silo.errors import BadInput
 from taichi_silo.scene import cell_sizes
-from taichi_silo.scene.averaging import OF_CELL
 from taichi_silo.scene.flow import FASTEST_M_PER_S, slow_speed_m_per_s
 from taichi_silo.scene.scene import Scene
 
@@ -28,30 +27,22 @@ SAME = 1e-3  # relative difference of settings that counts as none
 
 @dataclass(frozen=True)
 class Fidelity:
-    """Cells across a silo, and how many times faster its bottom sinks than where a slower one changes nothing.
-
-    Between very rough walls the length of the law is at least so many cells: where it is almost resolved, half a cell,
-    the default, is too little.
-    """
+    """Cells across a silo, and how many times faster its bottom sinks than where a slower one changes nothing."""
 
     across: float
     hurry: float
-    of_cell: float = OF_CELL
 
     def values(self, scene: Scene) -> dict[str, float]:
-        """Size of the cells [m], speed of the bottom [m/s] and length of the law [m] by their paths, for a scene."""
+        """Size of the cells [m] and speed of the bottom [m/s] by their paths, for the silo of a scene."""
         silo = scene.silo
         slow = slow_speed_m_per_s(silo.width_m, scene.method.gravity_m_per_s2)
         across = max(self.across, cell_sizes.wanted_across(silo) * self.across / cell_sizes.ACROSS)
         cell = cell_sizes.nearest(silo, across) or silo.width_m / across
-        found = {"grid.cell_size_m": cell, "flow.speed_m_per_s": min(self.hurry * slow, FASTEST_M_PER_S)}
-        if self.of_cell > OF_CELL and scene.sticks:
-            found["averaging.characteristic_length_m"] = max(3.0 * scene.sand.d50_m, self.of_cell * cell)
-        return found
+        return {"grid.cell_size_m": cell, "flow.speed_m_per_s": min(self.hurry * slow, FASTEST_M_PER_S)}
 
 
 FIDELITIES = {
-    "draft": Fidelity(20, 4.0), STANDARD: Fidelity(cell_sizes.ACROSS, 1.0), "fine": Fidelity(80, 4.0, 0.75),
+    "draft": Fidelity(20, 4.0), STANDARD: Fidelity(cell_sizes.ACROSS, 1.0), "fine": Fidelity(100, 4.0),
     "converged": Fidelity(130, 4.0),
 }  # fmt: skip
 
@@ -67,11 +58,10 @@ def fidelity(name: str) -> Fidelity:
 
 
 def like(scene: Scene) -> str | None:
-    """The name of the setting, if any, whose cells, speed and length a scene has."""
+    """The name of the setting, if any, whose cells and speed a scene has."""
     for name, one in FIDELITIES.items():
         wanted = one.values(scene)
-        own = {"grid.cell_size_m": scene.grid.cell_size_m, "flow.speed_m_per_s": scene.flow.speed_m_per_s,
-               "averaging.characteristic_length_m": scene.characteristic_length_m}  # fmt: skip
+        own = {"grid.cell_size_m": scene.grid.cell_size_m, "flow.speed_m_per_s": scene.flow.speed_m_per_s}
         if all(math.isclose(own[path], value, rel_tol=SAME) for path, value in wanted.items()):
             return name
     return None

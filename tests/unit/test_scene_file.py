@@ -179,7 +179,7 @@ def test_every_fidelity_makes_a_scene_of_any_size_and_others_are_refused():
         assert made["standard"] == scene, "the default"
         assert [like(one) for one in made.values()] == list(FIDELITIES)
         across = [one.silo.width_m / one.grid.cell_size_m for one in made.values()]
-        assert across == pytest.approx([20, 40, 80, 130], rel=0.06)
+        assert across == pytest.approx([20, 40, 100, 130], rel=0.06)
         froude = [one.flow.speed_m_per_s / math.sqrt(9.81 * one.silo.width_m) for one in made.values()]
         assert froude == pytest.approx([FROUDE * one.hurry for one in FIDELITIES.values()], rel=0.06)
     with pytest.raises(BadInput, match="fidelity is perfect; it must be one of draft, standard, fine, converged"):

@@ -21,7 +21,7 @@ def _lengths(cell: float, *shares: float) -> list[Settings]:
 
 GRIDS_M = {  # of the runs from which the truth of a scene is extrapolated; thin shear zones need fine ones
     "very-rough dense": (0.0025, 0.002, 0.00153846154), "very-rough loose": (0.004, 0.003125, 0.0025),
-    "outlet": (0.01, 0.005, 0.004), "": (0.01, 0.005, 0.0025),
+    "outlet": (0.01, 0.005, 0.004), "": (0.02, 0.01, 0.005),
 }  # fmt: skip
 LOCAL, AS_LONG = "cells of a local law", "cells as long as the law"
 DIALS: dict[str, list[Settings]] = {
@@ -68,8 +68,8 @@ def turned(dial: str, scene: str, full: bool = False) -> list[Settings]:
         return []
     if dial == FINE:
         return _values(CELL, *next(grids for kind, grids in GRIDS_M.items() if kind in scene))
-    if dial == NAMED and "very-rough" not in scene:
-        return dials()[dial][:-1]  # the last costs hours there, and its error is below what the truth is known to
+    if dial == NAMED and scene not in TYPICAL:
+        return dials()[dial][:2]  # the others are as fine as what tells the truth there
     return dials()[dial]
 
 
