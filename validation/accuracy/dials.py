@@ -4,7 +4,7 @@ from taichi_silo.scene.fidelity import FIDELITIES, fidelity
 from taichi_silo.scene.scene import Scene
 from validation.accuracy.scenes import CELL, LENGTH, SPEED, Settings
 
-BASE_DIAL, FINE, SLOW, OF_VERY_ROUGH, NAMED = "base", "fine cells", "bottom speed", "walls in the mean", "fidelity"
+BASE_DIAL, FINE, SLOW, NAMED = "base", "fine cells", "bottom speed", "fidelity"
 SPEEDS = (0.016, 0.008, 0.004, 0.002)
 TYPICAL = ("very-rough dense",)  # the scene in which every part of the method is varied
 MEANS = "averaging.means"  # by a grid, which a half model allows
@@ -23,14 +23,16 @@ GRIDS_M = {  # of the runs from which the truth of a scene is extrapolated; thin
     "very-rough dense": (0.0025, 0.002, 0.00153846154), "very-rough loose": (0.004, 0.003125, 0.0025),
     "outlet": (0.01, 0.005, 0.004), "": (0.02, 0.01, 0.005),
 }  # fmt: skip
-LOCAL, AS_LONG = "cells of a local law", "cells as long as the law"
+LOCAL, AS_LONG, LENGTHS = "cells of a local law", "cells as long as the law", "length on 10 mm cells"
+WALL = "walls in the mean"
+OF_VERY_ROUGH = (AS_LONG, LENGTHS, WALL)  # dials that turn nothing between other walls, where sand shears nowhere
 DIALS: dict[str, list[Settings]] = {
     LOCAL: [{CELL: cell, LENGTH: 0.0} for cell in (0.02, 0.01, 0.005)],
     AS_LONG: [one for cell in (0.02, 0.01, 0.005) for one in _lengths(cell, 1.0)],
-    "length on 10 mm cells": _lengths(0.01, 0.25, 0.5, 1.0, 2.0),
+    LENGTHS: _lengths(0.01, 0.25, 0.5, 1.0, 2.0),
     SLOW: _values(SPEED, *SPEEDS),
     "points a cell": _values("grid.points_per_cell", 1, 4),
-    OF_VERY_ROUGH: [{"averaging.wall": wall} | _lengths(0.01, 1.0)[0] for wall in ("ignored", "rigid")],
+    WALL: [{"averaging.wall": wall} | _lengths(0.01, 1.0)[0] for wall in ("ignored", "rigid")],
 }
 CHANGES = {  # of a part of the method: the two settings between which it is told what it changes
     "non-local average": ((LOCAL, "10 mm, 0 mm"), (BASE_DIAL, "all as it is")),
@@ -64,7 +66,7 @@ def dials() -> dict[str, list[Settings]]:
 def turned(dial: str, scene: str, full: bool = False) -> list[Settings]:
     """The settings of a dial in a scene; none where it has no meaning, or, if not `full`, is measured in another."""
     elsewhere = dial in METHOD and scene not in TYPICAL and not full
-    if elsewhere or dial == OF_VERY_ROUGH and "very-rough" not in scene:
+    if elsewhere or dial in OF_VERY_ROUGH and "very-rough" not in scene:
         return []
     if dial == FINE:
         return _values(CELL, *next(grids for kind, grids in GRIDS_M.items() if kind in scene))
