@@ -28,7 +28,8 @@ def error_figure(rows: pd.DataFrame, bars: dict[str, float]) -> Figure:
     names, listed = list(dict.fromkeys(rows["scene"])), list(dict.fromkeys(rows["dial"]))
     down = math.ceil(len(names) / ACROSS)
     figure = new_figure(SIZE * min(len(names), ACROSS), SIZE * down)
-    panels = figure.subplots(down, min(len(names), ACROSS), squeeze=False, sharex=True, sharey=True).flat
+    across = min(len(names), ACROSS)
+    panels = list(figure.subplots(down, across, squeeze=False, sharex=True, sharey=True).flat)
     for panel, name in zip(panels, names, strict=False):
         some = rows[(rows["scene"] == name) & rows[WORST].notna()]
         for number, dial in enumerate(one for one in listed if one != NAMED):
@@ -43,9 +44,10 @@ def error_figure(rows: pd.DataFrame, bars: dict[str, float]) -> Figure:
         panel.axhspan(1e-9, 100.0 * max(bars.get(name, 0.0), LEAST), color=REFERENCE, alpha=0.15, lw=0)
         panel.set(xscale="log", yscale="log", ylim=(0.02, 300.0))
         panel.set_title(name, loc="left")
-    for panel in list(panels)[len(names) :]:
+    for panel in panels[len(names) :]:
         panel.set_visible(False)
-    figure.supxlabel("cost of the run (core-seconds)")
+    for panel in panels[max(0, len(names) - across) : len(names)]:
+        panel.set_xlabel("cost of the run (core-seconds)")
     figure.supylabel("largest error of P, T, N at the end, % of the weight")
     handles = dict(zip(*reversed(figure.axes[0].get_legend_handles_labels()), strict=True))
     figure.legend(handles.values(), handles, loc="outside lower center", ncols=5, fontsize=9.5)

@@ -10,17 +10,16 @@ from pathlib import Path
 import pandas as pd
 
 from taichi_silo.analysis.extrapolation import limit
-from taichi_silo.runs.cost_estimate import rehearse
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import parameters
-from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.scene.scene import Scene
-from taichi_silo.simulation.simulation import Simulation
 from taichi_silo.studies.converge.estimate import CARRIED
 from taichi_silo.studies.converge.quantities import quantities
 from taichi_silo.studies.sweep.runs import Run
 from validation.accuracy import dials, scenes, table
 from validation.accuracy.table import Truth
+
+PACE_S = 55e-9  # of an idle core, for a point and step of the base
 
 
 @dataclass(frozen=True)
@@ -74,52 +73,25 @@ def truth(rows: list[Row], scene: str) -> dict[str, Truth]:
     return found
 
 
-def pace(scene: Scene) -> float:
-    """Processor seconds of one core for a point and step of a scene's formulas, on the cells of the base."""
-    larger = float(scenes.BASE[scenes.CELL]) / scene.grid.cell_size_m
-    length = larger * scene.characteristic_length_m
-    plain = changed(scene, {path: scenes.BASE[path] for path in (scenes.CELL, scenes.SPEED)} | {scenes.LENGTH: length})
-    plain.machine.start()
-    return rehearse(Simulation(plain)) / Simulation(plain).model.particles.count
-
-
 def rows(wanted: list[Row], truths: dict[str, dict[str, Truth]]) -> pd.DataFrame:
     """The chart: scene, dial, setting, run, cost, errors, whether it is on the front, and why a run failed.
 
-    The cost is that of an idle core: steps and points of the run at the pace of its formulas, however busy the machine
-    was.
+    The cost is steps times points at one pace, however busy the machine was; `docs/data/parts.csv` has what each part of
+    the method costs a step.
     """
     found, kept = [], {}
-    paces: dict[tuple, float] = {}
     for row in wanted:
         folder = row.run.folder
         summary = row.run.summary
         line: dict[str, object] = {"scene": row.scene, "dial": row.dial, "setting": row.setting, "run": folder.name}
-        formulas = _formulas(row.run.scene)
-        if formulas not in paces:
-            paces[formulas] = pace(row.run.scene)
         cost = summary.get("cost", {})
-        line["core_seconds"] = paces[formulas] * cost.get("points", math.nan) * cost.get("steps", math.nan)
+        line["core_seconds"] = PACE_S * cost.get("points", math.nan) * cost.get("steps", math.nan)
         if row.run.finished and folder not in kept:
             kept[folder] = table.errors(quantities(Result(folder)), truths[row.scene])
         line |= kept.get(folder, {})
         line["failure"] = "" if row.run.finished else summary.get("failure") or "not run"
         found.append(line)
     return table.with_front(pd.DataFrame(found))
-
-
-def _formulas(scene: Scene) -> tuple:
-    """What decides over the seconds of a point and step."""
-    method, grid, kernel = (
-        scene.method,
-        scene.grid,
-        scene.averaging.kernel(scene.characteristic_length_m, scene.spacing_m)[0],
-    )
-    walls = scene.walls.kind, scene.silo.outlet is None
-    return (
-        grid.shape, grid.points_per_cell, method.transfer, method.stress_update, method.stress_filter,
-        method.noise_control, scene.sand.law, kernel is not None, scene.averaging.wall, *walls,
-    )  # fmt: skip
 
 
 def known(truths: dict[str, dict[str, Truth]]) -> pd.DataFrame:
