@@ -71,15 +71,18 @@ def _sentence(words: str) -> str:
 
 def accuracy(scene: Scene) -> Part:
     """What was measured of cells and speed in scenes of this kind."""
-    own, others = fidelity.like(scene), []
+    own, others, bar = fidelity.like(scene), [], ""
     for name in fidelity.FIDELITIES:
         found = fidelity.measured(scene, name)
         if found is not None:
             others.append(f"{name} {100.0 * max(found.P, found.T, found.N):.2g} %")
+            bar = f"known to ± {100.0 * found.known_to:.2g} %"
     because = "No errors were measured in scenes like this; taichi-silo converge finds them."
     if others:
         kind = fidelity.kind(scene)
-        because = f"Largest errors of P, T and N over the weight in scenes like this ({kind}): {', '.join(others)}."
+        because = (
+            f"Largest errors of P, T and N over the weight in scenes like this ({kind}): {', '.join(others)}; {bar}."
+        )
     return Part("accuracy", own or "of its own", because, "--fidelity")
 
 

@@ -76,8 +76,8 @@ def truth(rows: list[Row], scene: str) -> dict[str, Truth]:
 def rows(wanted: list[Row], truths: dict[str, dict[str, Truth]]) -> pd.DataFrame:
     """The chart: scene, dial, setting, run, cost, errors, whether it is on the front, and why a run failed.
 
-    The cost is steps times points at one pace, however busy the machine was; `docs/data/parts.csv` has what each part of
-    the method costs a step.
+    The cost is steps times points at one pace, however busy the machine was; what parts of the method cost a step is in
+    `docs/data/parts.csv`.
     """
     found, kept = [], {}
     for row in wanted:

@@ -15,6 +15,7 @@ TITLES = {
 PROGRAM = {  # what no scene has
     "program.taichi_silo": "version",
     "program.revision": "of the source",
+    "program.plugins": "files of the user's own parts",
     "program.taichi": "version",
     "program.quadrants": "version",
     "program.python": "version",
