@@ -14,8 +14,10 @@ from typing import Any
 
 from taichi_silo.errors import BadInput
 from taichi_silo.scene import cell_sizes
+from taichi_silo.scene.averaging import Averaging
 from taichi_silo.scene.flow import FASTEST_M_PER_S, slow_speed_m_per_s
-from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.mesh import Mesh
+from taichi_silo.scene.scene import Method, Scene
 
 FILE = Path(__file__).with_name("measured_errors.toml")
 STANDARD = "standard"  # the one whose values are the defaults of a scene
@@ -58,7 +60,15 @@ def fidelity(name: str) -> Fidelity:
 
 
 def like(scene: Scene) -> str | None:
-    """The name of the setting, if any, whose cells and speed a scene has."""
+    """The name of the setting, if any, whose cells and speed a scene has, all else of its method being the default."""
+    usual = scene.model_copy(update={"averaging": Averaging()}).characteristic_length_m
+    others = Method(gravity_m_per_s2=scene.method.gravity_m_per_s2)
+    if (
+        (scene.grid.points_per_cell, scene.grid.shape) != (1, Mesh().shape)
+        or not math.isclose(scene.characteristic_length_m, usual, rel_tol=SAME)
+        or scene.method != others
+    ):
+        return None
     for name, one in FIDELITIES.items():
         wanted = one.values(scene)
         own = {"grid.cell_size_m": scene.grid.cell_size_m, "flow.speed_m_per_s": scene.flow.speed_m_per_s}
@@ -77,7 +87,7 @@ def kind(scene: Scene) -> str | None:
     dense = sand.void_ratio <= sand.e_d0 + DENSE * (sand.e_c0 - sand.e_d0)
     density = "loose" if sand.loose else "dense" if dense else None
     angle, limits = walls.friction_angle_deg, {"smooth": SMOOTH_DEG, "rough": ROUGH_DEG}
-    wall = "very-rough" if angle is None else next((name for name, most in limits.items() if angle <= most), None)
+    wall = walls.kind if angle is None else next((name for name, most in limits.items() if angle <= most), None)
     name = f"{wall} {density}" if silo.floor_is_outlet else f"outlet {density}" if wall == "smooth" else ""
     return name if name in _all()["errors"] else None
 

@@ -1,8 +1,8 @@
 """Speed against accuracy: what each setting of the method costs, and how wrong it makes the answer.
 
 The model silo of Krzyzanowski et al. (2020), section 6, between smooth, rough and very rough walls, filled with dense
-and with loose sand, and one with an outlet. The truth of each scene is extrapolated from three grids and three speeds,
-with its error bar; each run turns one dial about a base of 10 mm cells, or is a named setting (`--fidelity`).
+and with loose sand, and one with an outlet. The truth of each scene is extrapolated from three grids, with its error
+bar; each run turns one dial about a base of 10 mm cells, or is a named setting (`--fidelity`).
 
 Leaves `chart.csv` (one row a setting), `truth.csv` (what they are compared with), `measured_errors.toml` (of the named
 settings, for `taichi_silo.scene`), a figure, and the runs, which are kept: a restart goes on where it was.

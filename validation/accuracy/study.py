@@ -56,7 +56,7 @@ def _key(scene: Scene) -> str:
 def truth(rows: list[Row], scene: str) -> dict[str, Truth]:
     """The numbers of a scene without cells, whose bottom sinks at the default speed, with error bars.
 
-    They are extrapolated from the runs on fine cells and those at several speeds, which must be there.
+    They are extrapolated from the runs on fine cells, and moved by what the speed changes on the cells of the base.
     """
     cells, speeds = (
         [row.run for row in rows if row.scene == scene and row.dial == dial] for dial in (dials.FINE, dials.SLOW)
@@ -104,11 +104,7 @@ def known(truths: dict[str, dict[str, Truth]]) -> pd.DataFrame:
 
 
 def of_fidelities(rows: pd.DataFrame, truths: dict[str, dict[str, Truth]]) -> dict[str, dict[str, dict[str, float]]]:
-    """Of each scene, for `taichi_silo.scene.measured_errors`: errors of the named settings, and what parts change.
-
-    Errors are of P, T and N at the end over the weight, with the bar of what they are measured against; a change is
-    the largest of the three between two settings of `dials.CHANGES`.
-    """
+    """Of each scene and named setting the errors of P, T and N at the end, and the bar of what they are told against."""
     found: dict[str, dict[str, dict[str, float]]] = {}
     for row in rows[(rows["dial"] == dials.NAMED) & rows[table.WORST].notna()].to_dict("records"):
         known_to = table.bars(truths[row["scene"]])[table.WORST]
