@@ -182,11 +182,8 @@ def test_every_fidelity_makes_a_scene_of_any_size_and_others_are_refused():
         assert across == pytest.approx([20, 40, 100, 130], rel=0.06)
         froude = [one.flow.speed_m_per_s / math.sqrt(9.81 * one.silo.width_m) for one in made.values()]
         assert froude == pytest.approx([FROUDE * one.hurry for one in FIDELITIES.values()], rel=0.06)
-    for other in (
-        {"grid.points_per_cell": 4},
-        {"averaging.characteristic_length_m": 0.0},
-        {"method.noise_control": "none"},
-    ):
+    wanted = {"grid.points_per_cell": 4, "averaging.characteristic_length_m": 0.0, "method.noise_control": "none"}
+    for other in ({path: one} for path, one in wanted.items()):
         assert like(changed(Scene(), other)) is None, "whose errors are others"
     with pytest.raises(BadInput, match="fidelity is perfect; it must be one of draft, standard, fine, converged"):
         fidelity("perfect")
