@@ -104,7 +104,7 @@ def known(truths: dict[str, dict[str, Truth]]) -> pd.DataFrame:
 
 
 def of_fidelities(rows: pd.DataFrame, truths: dict[str, dict[str, Truth]]) -> dict[str, dict[str, dict[str, float]]]:
-    """Of each scene and named setting the errors of P, T and N at the end, and the bar of what they are told against."""
+    """Of each scene and named setting the errors of P, T and N at the end, and the bar of the truth."""
     found: dict[str, dict[str, dict[str, float]]] = {}
     for row in rows[(rows["dial"] == dials.NAMED) & rows[table.WORST].notna()].to_dict("records"):
         known_to = table.bars(truths[row["scene"]])[table.WORST]
