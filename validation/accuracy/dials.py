@@ -2,7 +2,7 @@
 
 from taichi_silo.scene.fidelity import FIDELITIES, fidelity
 from taichi_silo.scene.scene import Scene
-from validation.accuracy.scenes import CELL, LENGTH, SPEED, Settings
+from validation.accuracy.scenes import CELL, LENGTH, OWN_LENGTH_M, SPEED, Settings
 
 BASE_DIAL, FINE, SLOW, NAMED = "base", "fine cells", "bottom speed", "fidelity"
 SPEEDS = (0.016, 0.008, 0.004, 0.002)
@@ -53,7 +53,7 @@ METHOD: dict[str, list[Settings]] = {
 def settings(setting: Settings, scene: Scene) -> Settings:
     """The values of a setting in a scene, those of a named one included."""
     if "fidelity" in setting:
-        return dict(fidelity(str(setting["fidelity"])).values(scene))
+        return fidelity(str(setting["fidelity"])).values(scene) | {LENGTH: OWN_LENGTH_M}
     return setting
 
 

@@ -16,6 +16,7 @@ DENSITIES = {"dense": 0.60, "loose": 0.90}
 BASE: Settings = {
     CELL: 0.01, SPEED: 0.008, "flow.displacement_m": 0.005, "silo.half": "yes", "machine.threads": 1,
 }  # fmt: skip
+OWN_LENGTH_M, OF_CELL = 0.0015, 0.5  # between very rough walls, half a cell if that is more
 SLOW = 0.002  # m/s: the default speed, for which the truth is told
 
 
@@ -38,6 +39,8 @@ def scene(name: str, settings: Settings) -> Scene:
     Raises BadInput if a setting is not possible.
     """
     values = SCENES[name] | BASE | settings
+    if "very-rough" in name and LENGTH not in values:
+        values[LENGTH] = max(OWN_LENGTH_M, OF_CELL * float(values[CELL]))
     try:
         return changed(Scene(), values)
     except ValueError as error:
