@@ -16,7 +16,9 @@ if AFFINITY and (worker := os.environ.get("PYTEST_XDIST_WORKER")):
 
 from taichi_silo import api
 from taichi_silo.cli import flags, model_silo  # noqa: F401 - they hold scenes made when they are imported
-from taichi_silo.mpm import language, runtime, solver, tasks
+from taichi_silo.mpm import language, own_parts, runtime, solver, tasks
+from taichi_silo.runs import observers
+from taichi_silo.runs.point_fields import FIELDS
 from tests import untraced  # noqa: F401 - coverage does not watch the language
 
 HERE = Path(__file__).parent
@@ -74,6 +76,16 @@ def taichi(request):
             patch.setenv(f"{'TI' if language.NAME == 'taichi' else 'QD'}_ADVANCED_OPTIMIZATION", "0")
         runtime.init()
         yield
+
+
+@pytest.fixture(autouse=True, scope="module")
+def plugins():
+    """What the module's tests register is forgotten after it."""
+    kept = [(table, dict(table)) for table in (own_parts.LAWS, own_parts.CONTACTS, FIELDS, observers.REGISTERED)]
+    yield
+    for table, before in kept:
+        table.clear()
+        table.update(before)
 
 
 @pytest.fixture

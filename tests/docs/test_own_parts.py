@@ -25,16 +25,12 @@ PAGE = "how-to/own-parts.md"
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
-    """The folder of the files of the page; what they register is forgotten afterwards."""
+    """The folder of the files of the page."""
     folder = tmp_path_factory.mktemp("own")
     for block in blocks("python", "toml"):
         if block.page == PAGE and block.title:
             (folder / block.title).write_text(block.text, encoding="utf-8")
-    kept = [(table, dict(table)) for table in (own_parts.LAWS, own_parts.CONTACTS, FIELDS, observers.REGISTERED)]
-    yield folder
-    for table, before in kept:
-        table.clear()
-        table.update(before)
+    return folder
 
 
 @pytest.fixture(scope="module")

@@ -64,4 +64,4 @@ def test_the_default_speed_is_slow_in_every_silo_and_ten_times_it_is_not():
     for silo, fast in (({}, 0.02), ({"width_m": 6.0, "height_m": 20.0}, 0.11)):
         assert not [words for words in of_results(Scene(silo=Silo(**silo))) if "is driven at" in words]
         found = of_results(Scene(silo=Silo(**silo), flow=Flow(speed_m_per_s=fast)))
-        assert [words for words in found if f"at {1e3 * fast:g} mm/s it is some 11 to 14 % below" in words]
+        assert [words for words in found if f"is driven at {1e3 * fast:g} mm/s" in words]
