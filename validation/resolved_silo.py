@@ -1,0 +1,191 @@
+"""The very rough model silo with the sand's own length resolved: what its numbers are, and what they tend to.
+
+The paper's mass flow, whose bottom sinks by 20 mm, with l_c = 3 d50 = 1.5 mm on cells of 2.5, 2 and 1.54 mm, dense and
+loose; beside them the paper's own cells of 5 mm, on which the law is local, and, on the finest cells, walls that are
+left out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s, the mean goes by a grid.
+
+Leaves the runs (`cells-130/dense_very-rough_bottom`, ...; a film of the dense one on the finest cells),
+`resolved_runs.csv` (a row a run), `resolved_limits.csv` (what the three grids tend to, with error bars),
+`resolved_statements.csv` (the statements of the paper on both grids), and figures. Cost: two and a half hours of
+one core, half an hour of it for the dense silo on the finest cells; what has ended is kept.
+"""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+from matplotlib import rc_context
+from typer import Option
+
+from taichi_silo.analysis.extrapolation import limit
+from taichi_silo.cli import command_line
+from taichi_silo.runs.result import Result
+from taichi_silo.scene.dotted_paths import changed
+from taichi_silo.scene.scene import Scene
+from taichi_silo.show.figures.style import STYLE, new_figure
+from taichi_silo.studies.converge.quantities import quantities
+from taichi_silo.studies.run_all import run_all
+from taichi_silo.studies.sweep.runs import Run
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # as a plain script, too
+from validation.paper.check import evaluate  # noqa: E402
+
+BASE = {
+    "silo.half": "yes", "flow.speed_m_per_s": 0.008, "flow.displacement_m": 0.02,
+    "averaging.characteristic_length_m": 0.0015, "averaging.means": "grid", "machine.threads": 1,
+}  # fmt: skip
+DENSE, LOOSE = "dense_very-rough_bottom", "loose_very-rough_bottom"  # as the paper's cases are called
+SANDS = {DENSE: {}, LOOSE: {"sand.void_ratio": 0.9}}
+WIDTH_M, PAPERS, RESOLVED = 0.2, 40, (80, 100, 130)  # cells across
+LEFT_OUT = "walls-left-out"  # of the mean
+TOLD = ("P_filled", "T_filled", "N_filled", "pressure_filled_0.5", "P_residual", "T_residual", "N_residual",
+        "pressure_residual_0.5", "zone_thickness")  # fmt: skip
+MIDDLE = (0.4, 0.6)  # of the height, over which profiles are means
+
+
+def resolved_silo(
+    output: Annotated[Path, Option(help="folder of the runs, the tables and the figures")] = Path("outputs/resolved"),
+):
+    """Run the silo on all grids and say what its numbers tend to."""
+    output = output.expanduser()
+    runs = planned(output)
+    run_all({" ".join(key): run for key, run in runs.items()}, output)
+    results = {key: Result(run.folder) for key, run in runs.items()}
+    tables = {"runs": of_runs(results), "limits": of_limits(results), "statements": of_statements(output)}
+    for name, table in tables.items():
+        table.to_csv(output / f"resolved_{name}.csv", index=False, float_format="%.4g")
+        print(output / f"resolved_{name}.csv")
+    with rc_context(STYLE):
+        draw_forces(results, output / "resolved_forces.png")
+        draw_profiles(results, output / "resolved_profiles.png")
+
+
+def planned(output: Path) -> dict[tuple[str, str], Run]:
+    """The runs by the name of their grid and their case."""
+    found = {}
+    for case, sand in SANDS.items():
+        for cells in (PAPERS, *RESOLVED):
+            values = BASE | sand | {"grid.cell_size_m": WIDTH_M / cells}
+            film = (case, cells) == (DENSE, RESOLVED[-1])
+            found[f"cells-{cells}", case] = Run(changed(Scene(), values), output / f"cells-{cells}" / case, film=film)
+    values = BASE | {"grid.cell_size_m": WIDTH_M / RESOLVED[-1], "averaging.wall": "ignored"}
+    found[LEFT_OUT, DENSE] = Run(changed(Scene(), values), output / LEFT_OUT / DENSE, film=False)
+    return found
+
+
+def of_runs(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
+    """A row a run: forces [kN/m], angle [degrees], wall stress in the middle [kPa], zones [mm], cost [core hours]."""
+    rows = []
+    for (grid, case), run in results.items():
+        found, summary = quantities(run), run.summary
+        row = {"sand": case.split("_")[0], "grid": grid, "cells_mm": 1e3 * run.scene.grid.cell_size_m}
+        for state in ("filled", "residual"):
+            row |= {f"{force}_{state}": 1e-3 * found[f"{force}_{state}"].value for force in "PTN"}
+            row[f"angle_{state}"] = float(np.degrees(np.arctan(found[f"TN_{state}"].value)))
+            row[f"pressure_{state}"] = 1e-3 * found[f"pressure_{state}_0.5"].value
+        row["wall_zone_mm"] = 1e3 * found["zone_thickness"].value if "zone_thickness" in found else np.nan
+        row["sheared_from_mm"], row["sheared_to_mm"] = sheared_mm(across(run))
+        inside = summary["zones_inside"]["zones"]
+        row["zones_inside"] = len(inside)
+        row["zone_inside_mm"] = 1e3 * float(np.median([zone["thickness_m"] for zone in inside])) if inside else np.nan
+        row["core_hours"] = summary["cost"]["seconds"] / 3600.0
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def of_limits(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
+    """What the resolved grids tend to: value, error bar and distance of the finest grid, over the measure of each."""
+    rows = []
+    for case in SANDS:
+        found = [quantities(results[f"cells-{cells}", case]) for cells in RESOLVED]
+        for name in TOLD:
+            if all(name in one for one in found):
+                values, last = [one[name].value for one in found], found[-1][name]
+                scale = last.scale if np.isfinite(last.scale) else last.value
+                tends = limit([WIDTH_M / cells for cells in RESOLVED], values)
+                row = {"sand": case.split("_")[0], "quantity": name, "unit": last.unit}
+                row |= {f"cells_{cells}": value for cells, value in zip(RESOLVED, values, strict=True)}
+                row |= {"limit": tends.value, "order": tends.order, "trust": tends.trust}
+                row |= {"bar": tends.error / scale, "distance": abs(values[-1] - tends.value) / scale}
+                rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def of_statements(output: Path) -> pd.DataFrame:
+    """The paper's statements on these two flows, on its own cells and on the finest."""
+    coarse, fine = (evaluate(output / f"cells-{cells}") for cells in (PAPERS, RESOLVED[-1]))
+    both = coarse.merge(fine, on=["id", "section", "statement", "paper"], suffixes=("_5_mm", "_resolved"))
+    judged = both["agrees_5_mm"].isin(("yes", "partly", "no")) | both["agrees_resolved"].isin(("yes", "partly", "no"))
+    columns = ["id", "section", "statement", "paper", "ours_5_mm", "agrees_5_mm", "ours_resolved", "agrees_resolved"]
+    return both.loc[judged, columns]
+
+
+def across(run: Result) -> pd.DataFrame:
+    """Across the silo in the middle of its height, means of columns of points: x and way downwards [mm], void ratio."""
+    filled, now = run.state("filled"), run.state(-1)
+    order, here = np.argsort(filled["identity"]), np.argsort(now["identity"])
+    then, there = filled["position"][order], now["position"][here]
+    top = then[:, 1].max()
+    middle = (then[:, 1] > MIDDLE[0] * top) & (then[:, 1] < MIDDLE[1] * top)
+    column = np.round(then[middle, 0] / run.scene.spacing_m - 0.5).astype(int)
+    rows = {
+        "x_mm": 1e3 * then[middle, 0],
+        "way_mm": 1e3 * (then - there)[middle, 1],
+        "void_ratio": now["void_ratio"][here][middle],
+    }
+    return pd.DataFrame(rows).groupby(column).mean().reset_index(drop=True)
+
+
+def sheared_mm(profile: pd.DataFrame) -> tuple[float, float]:
+    """Distances from the left wall between which the shear strain is above half of its greatest [mm]."""
+    x, way = profile["x_mm"].to_numpy(), profile["way_mm"].to_numpy()
+    left = x < 0.5 * (x[0] + x[-1])
+    shear = np.gradient(way[left], x[left])
+    above = x[left][shear > 0.5 * shear.max()]
+    return float(above[0]), float(above[-1])
+
+
+def _label(grid: str, run: Result) -> str:
+    cells = f"{1e3 * run.scene.grid.cell_size_m:.3g} mm"
+    return f"{cells}, walls left out" if grid == LEFT_OUT else cells
+
+
+def draw_forces(results: dict[tuple[str, str], Result], file: Path) -> None:
+    """P, T and N over the displacement of the bottom, a row a sand, a line a grid."""
+    figure = new_figure(10.0, 5.6)
+    axes = figure.subplots(len(SANDS), 3, sharex=True, squeeze=False)
+    columns = {"P": "bottom_force_N_per_m", "T": "left_shear_N_per_m", "N": "left_normal_N_per_m"}
+    for line, case in zip(axes, SANDS, strict=True):
+        for axis, (force, column) in zip(line, columns.items(), strict=True):
+            for (grid, of), run in results.items():
+                if of == case:
+                    flow = run.forces[run.forces.stage == "flow"]
+                    axis.plot(1e3 * flow.displacement_m, 1e-3 * flow[column], label=_label(grid, run), lw=1.0)
+            axis.set_ylabel(f"{force} (kN/m), {case.split('_')[0]} sand")
+    for axis in axes[-1]:
+        axis.set_xlabel("displacement of the bottom (mm)")
+    axes[0, 0].legend()
+    figure.savefig(file, dpi=150)
+
+
+def draw_profiles(results: dict[tuple[str, str], Result], file: Path) -> None:
+    """Way downwards and void ratio from the wall to the middle of dense sand, a line a grid."""
+    figure = new_figure(9.0, 3.6)
+    for axis, (name, label) in zip(
+        figure.subplots(1, 2), (("way_mm", "way downwards (mm)"), ("void_ratio", "void ratio (-)")), strict=True
+    ):
+        for (grid, case), run in results.items():
+            if case == DENSE:
+                profile = across(run)
+                left = profile[profile["x_mm"] < 500.0 * WIDTH_M]
+                axis.plot(left["x_mm"], left[name], label=_label(grid, run), lw=1.0)
+        axis.set_xlabel("distance from the wall (mm)")
+        axis.set_ylabel(label)
+        axis.legend()
+    figure.savefig(file, dpi=150)
+
+
+if __name__ == "__main__":
+    command_line.command(resolved_silo)
