@@ -32,13 +32,11 @@ from taichi_silo.studies.sweep.runs import Run
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # as a plain script, too
 from validation.paper.check import evaluate  # noqa: E402
 
-BASE = {
-    "silo.half": "yes", "flow.speed_m_per_s": 0.008, "flow.displacement_m": 0.02,
-    "averaging.characteristic_length_m": 0.0015, "averaging.means": "grid", "machine.threads": 1,
-}  # fmt: skip
+BASE = {"silo.half": "yes", "flow.speed_m_per_s": 0.008, "flow.displacement_m": 0.02, "machine.threads": 1}
 DENSE, LOOSE = "dense_very-rough_bottom", "loose_very-rough_bottom"  # as the paper's cases are called
 SANDS = {DENSE: {}, LOOSE: {"sand.void_ratio": 0.9}}
-WIDTH_M, PAPERS, RESOLVED = 0.2, 40, (80, 100, 130)  # cells across
+PAPERS, RESOLVED = 40, (80, 100, 130)  # cells across
+CELL_M = {PAPERS: 0.005, 80: 0.0025, 100: 0.002, 130: 0.00153846154}
 LEFT_OUT = "walls-left-out"  # of the mean
 TOLD = ("P_filled", "T_filled", "N_filled", "pressure_filled_0.5", "P_residual", "T_residual", "N_residual",
         "pressure_residual_0.5", "zone_thickness")  # fmt: skip
@@ -67,10 +65,10 @@ def planned(output: Path) -> dict[tuple[str, str], Run]:
     found = {}
     for case, sand in SANDS.items():
         for cells in (PAPERS, *RESOLVED):
-            values = BASE | sand | {"grid.cell_size_m": WIDTH_M / cells}
+            values = BASE | sand | {"grid.cell_size_m": CELL_M[cells]}
             film = (case, cells) == (DENSE, RESOLVED[-1])
             found[f"cells-{cells}", case] = Run(changed(Scene(), values), output / f"cells-{cells}" / case, film=film)
-    values = BASE | {"grid.cell_size_m": WIDTH_M / RESOLVED[-1], "averaging.wall": "ignored"}
+    values = BASE | {"grid.cell_size_m": CELL_M[RESOLVED[-1]], "averaging.wall": "ignored"}
     found[LEFT_OUT, DENSE] = Run(changed(Scene(), values), output / LEFT_OUT / DENSE, film=False)
     return found
 
@@ -104,7 +102,7 @@ def of_limits(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
             if all(name in one for one in found):
                 values, last = [one[name].value for one in found], found[-1][name]
                 scale = last.scale if np.isfinite(last.scale) else last.value
-                tends = limit([WIDTH_M / cells for cells in RESOLVED], values)
+                tends = limit([CELL_M[cells] for cells in RESOLVED], values)
                 row = {"sand": case.split("_")[0], "quantity": name, "unit": last.unit}
                 row |= {f"cells_{cells}": value for cells, value in zip(RESOLVED, values, strict=True)}
                 row |= {"limit": tends.value, "order": tends.order, "trust": tends.trust}
@@ -179,7 +177,7 @@ def draw_profiles(results: dict[tuple[str, str], Result], file: Path) -> None:
         for (grid, case), run in results.items():
             if case == DENSE:
                 profile = across(run)
-                left = profile[profile["x_mm"] < 500.0 * WIDTH_M]
+                left = profile[profile["x_mm"] < 500.0 * run.scene.silo.width_m]
                 axis.plot(left["x_mm"], left[name], label=_label(grid, run), lw=1.0)
         axis.set_xlabel("distance from the wall (mm)")
         axis.set_ylabel(label)

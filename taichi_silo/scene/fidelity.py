@@ -23,6 +23,7 @@ FILE = Path(__file__).with_name("measured_errors.toml")
 STANDARD = "standard"  # the one whose values are the defaults of a scene
 SMOOTH_DEG, ROUGH_DEG = 21.0, 35.0  # friction angles of walls up to which a scene is of the kind "smooth", "rough"
 SHAPES = (1.25, 5.0)  # height over width of scenes like the chart's, which have 2.5
+FLOOR, STEEP_DEG = "floor", 30.0  # the whole floor sinks; half angle of a hopper in which all sand flows
 DENSE = 0.5  # of the way from the densest to the critical void ratio: what is still of the kind "dense"
 SAME = 1e-3  # relative difference of settings that counts as none
 
@@ -78,18 +79,27 @@ def like(scene: Scene) -> str | None:
 
 
 def kind(scene: Scene) -> str | None:
-    """The scene of the chart that a scene is like: its walls, how dense its sand is, an outlet; None if like none."""
-    silo, sand, walls = scene.silo, scene.sand, scene.walls
-    shaped = silo.section == "plane" and silo.hopper is None and silo.outline_m is None and not silo.inserts
-    shaped &= not walls.bands and len(silo.outlets) <= 1 and silo.column_m is None and silo.surface_m is None
-    if not shaped or not SHAPES[0] <= silo.height_m / silo.width_m <= SHAPES[1] or scene.flow.outflow == "gravity":
-        return None
+    """The scene of the chart that a scene is like: walls or openings, and how dense its sand is; None if like none."""
+    sand, walls, shape = scene.sand, scene.walls, _shape(scene)
     dense = sand.void_ratio <= sand.e_d0 + DENSE * (sand.e_c0 - sand.e_d0)
     density = "loose" if sand.loose else "dense" if dense else None
     angle, limits = walls.friction_angle_deg, {"smooth": SMOOTH_DEG, "rough": ROUGH_DEG}
     wall = walls.kind if angle is None else next((name for name, most in limits.items() if angle <= most), None)
-    name = f"{wall} {density}" if silo.floor_is_outlet else f"outlet {density}" if wall == "smooth" else ""
+    name = f"{wall} {density}" if shape == FLOOR else f"{shape} {density}" if wall == "smooth" else ""
     return name if name in _all()["errors"] else None
+
+
+def _shape(scene: Scene) -> str | None:
+    """What is below the sand, or in it, as scenes of the chart have it: one thing at most; None for all else."""
+    silo = scene.silo
+    odd = silo.section != "plane" or silo.outline_m is not None or silo.column_m is not None
+    odd |= silo.surface_m is not None or bool(scene.walls.bands) or scene.flow.outflow == "gravity"
+    parts = [*(["hopper"] if silo.hopper else []), *(["insert"] * len(silo.inserts))]
+    if odd or len(silo.outlets) > 1 or len(parts) > 1 or not SHAPES[0] <= silo.height_m / silo.width_m <= SHAPES[1]:
+        return None
+    if silo.hopper and silo.hopper.half_angle_deg > STEEP_DEG:
+        return None
+    return parts[0] if parts else FLOOR if silo.floor_is_outlet else "outlet"
 
 
 @dataclass(frozen=True)

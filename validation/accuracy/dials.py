@@ -2,7 +2,7 @@
 
 from taichi_silo.scene.fidelity import FIDELITIES, fidelity
 from taichi_silo.scene.scene import Scene
-from validation.accuracy.scenes import CELL, LENGTH, OWN_LENGTH_M, SPEED, Settings
+from validation.accuracy.scenes import CELL, LENGTH, SPEED, Settings
 
 BASE_DIAL, FINE, SLOW, NAMED = "base", "fine cells", "bottom speed", "fidelity"
 SPEEDS = (0.016, 0.008, 0.004, 0.002)
@@ -20,22 +20,23 @@ def _lengths(cell: float, *shares: float) -> list[Settings]:
 
 
 GRIDS_M = {  # of the runs from which the truth of a scene is extrapolated; thin shear zones need fine ones
-    "very-rough dense": (0.0025, 0.002, 0.00153846154), "very-rough loose": (0.004, 0.003125, 0.0025),
-    "outlet": (0.01, 0.005, 0.004), "": (0.02, 0.01, 0.005),
+    "very-rough": (0.0025, 0.002, 0.00153846154),
+    "outlet": (0.01, 0.005, 0.004), "hopper": (0.01, 0.005, 0.004), "insert": (0.01, 0.005, 0.004),
+    "": (0.02, 0.01, 0.005),
 }  # fmt: skip
-LOCAL, AS_LONG, LENGTHS = "cells of a local law", "cells as long as the law", "length on 10 mm cells"
+CELLS, AS_LONG, LENGTHS = "cells", "cells, length as long", "length on 10 mm cells"
 WALL = "walls in the mean"
 OF_VERY_ROUGH = (AS_LONG, LENGTHS, WALL)  # dials that turn nothing between other walls, where sand shears nowhere
 DIALS: dict[str, list[Settings]] = {
-    LOCAL: [{CELL: cell, LENGTH: 0.0} for cell in (0.02, 0.01, 0.005)],
+    CELLS: _values(CELL, 0.02, 0.01, 0.005),
     AS_LONG: [one for cell in (0.02, 0.01, 0.005) for one in _lengths(cell, 1.0)],
-    LENGTHS: _lengths(0.01, 0.25, 0.5, 1.0, 2.0),
+    LENGTHS: _lengths(0.01, 0.5, 0.7, 1.0, 2.0),
     SLOW: _values(SPEED, *SPEEDS),
     "points a cell": _values("grid.points_per_cell", 1, 4),
     WALL: [{"averaging.wall": wall} | _lengths(0.01, 1.0)[0] for wall in ("ignored", "rigid")],
 }
 CHANGES = {  # of a part of the method: the two settings between which it is told what it changes
-    "non-local average": ((LOCAL, "10 mm, 0 mm"), (BASE_DIAL, "all as it is")),
+    "non-local average": ((AS_LONG, "10 mm, 10 mm"), (BASE_DIAL, "all as it is")),
     "points a cell": (("points a cell", "1"), ("points a cell", "4")),
 }
 METHOD: dict[str, list[Settings]] = {
@@ -53,7 +54,7 @@ METHOD: dict[str, list[Settings]] = {
 def settings(setting: Settings, scene: Scene) -> Settings:
     """The values of a setting in a scene, those of a named one included."""
     if "fidelity" in setting:
-        return fidelity(str(setting["fidelity"])).values(scene) | {LENGTH: OWN_LENGTH_M}
+        return dict(fidelity(str(setting["fidelity"])).values(scene))
     return setting
 
 
