@@ -94,7 +94,22 @@ def noise_control(scene: Scene, period: float) -> NoiseControl:
     if scene.method.noise_control == "none":
         return NoiseControl()
     left, right = fill_shape.sides_m(scene.silo)
-    return NoiseControl.for_column(period, scene.silo.height_m / (right - left))
+    return NoiseControl.for_column(period, scene.silo.height_m / (right - left), grip(scene))
+
+
+def grip(scene: Scene) -> float:
+    """How far walls make sand shear in zones of its own, instead of slipping along them: 0 to 1.
+
+    Not up to the sand's critical friction angle, wholly from 45 degrees on and along very rough walls; between them it
+    grows with the coefficient of friction.
+    """
+    walls = scene.walls
+    if walls.kind == "very-rough":
+        return 1.0
+    steepest = max((walls.friction_angle_deg or 0.0, *(band.friction_angle_deg for band in walls.bands)))
+    critical = math.tan(math.radians(scene.sand.critical_friction_angle_deg))
+    beyond = math.tan(math.radians(steepest)) - critical
+    return min(1.0, max(0.0, beyond / max(1.0 - critical, 0.1)))
 
 
 # --- grid and points --------------------------------------------------------------------------------------------------

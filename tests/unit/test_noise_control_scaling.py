@@ -1,0 +1,36 @@
+"""How strong the noise control is in a scene: it follows the column's period, its height, and what its walls hold."""
+
+import math
+
+import pytest
+
+from taichi_silo.scene.bands import Band
+from taichi_silo.scene.scene import Sand, Scene, Silo, Walls
+from taichi_silo.simulation.discretise import grip, noise_control
+
+
+@pytest.mark.parametrize(("angle", "held"), [(5.0, 0.0), (30.0, 0.0), (45.0, 1.0), (60.0, 1.0)])
+def test_walls_hold_sand_from_its_critical_friction_angle_on_and_wholly_from_45_degrees(angle, held):
+    assert grip(Scene(walls=Walls(kind="smooth", friction_angle_deg=angle))) == pytest.approx(held)
+
+
+def test_between_them_the_hold_grows_with_the_coefficient_of_friction_and_a_band_counts():
+    halfway = math.degrees(math.atan(0.5 * (math.tan(math.radians(30.0)) + 1.0)))
+    assert grip(Scene(walls=Walls(kind="smooth", friction_angle_deg=halfway))) == pytest.approx(0.5)
+    lined = Walls(kind="smooth", friction_angle_deg=20.0, bands=(Band(wall="left", friction_angle_deg=halfway),))
+    assert grip(Scene(walls=lined)) == pytest.approx(0.5)
+
+
+def test_sand_with_a_steep_critical_angle_is_held_by_very_rough_walls_alone():
+    sand = Sand(critical_friction_angle_deg=50.0)
+    assert grip(Scene(sand=sand, walls=Walls(kind="smooth", friction_angle_deg=45.0))) == 0.0
+    assert grip(Scene(sand=sand)) == 1.0
+
+
+def test_very_rough_walls_get_four_times_the_drag_of_smooth_ones_and_a_column_of_eight_widths_twice():
+    smooth, rough = (noise_control(Scene(walls=walls), 0.02) for walls in (
+        Walls(kind="smooth", friction_angle_deg=20.0), Walls()))  # fmt: skip
+    assert rough.drag == pytest.approx(4.0 * smooth.drag)
+    assert (rough.memory_time, rough.filling_drag) == (smooth.memory_time, smooth.filling_drag)
+    high = Scene(silo=Silo(height_m=1.6), walls=Walls(kind="smooth", friction_angle_deg=20.0))
+    assert noise_control(high, 0.02).drag == pytest.approx(2.0 * smooth.drag)
