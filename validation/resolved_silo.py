@@ -32,7 +32,10 @@ from taichi_silo.studies.sweep.runs import Run
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # as a plain script, too
 from validation.paper.check import evaluate  # noqa: E402
 
-BASE = {"silo.half": "yes", "flow.speed_m_per_s": 0.008, "flow.displacement_m": 0.02, "machine.threads": 1}
+BASE = {
+    "silo.half": "yes", "flow.speed_m_per_s": 0.008, "flow.displacement_m": 0.02,
+    "averaging.characteristic_length_m": 0.0015, "machine.threads": 1,
+}  # fmt: skip
 DENSE, LOOSE = "dense_very-rough_bottom", "loose_very-rough_bottom"  # as the paper's cases are called
 SANDS = {DENSE: {}, LOOSE: {"sand.void_ratio": 0.9}}
 PAPERS, RESOLVED = 40, (80, 100, 130)  # cells across

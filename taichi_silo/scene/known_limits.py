@@ -102,7 +102,12 @@ def of_results(scene: Scene) -> list[str]:
     found, silo, cell, speed = [], scene.silo, scene.grid.cell_size_m, scene.flow.speed_m_per_s
     rough, free = scene.walls.kind == "very-rough", scene.flow.free
     if rough:
-        if cell > 1.5 * scene.characteristic_length_m:
+        if scene.characteristic_length_m > 3.0 * scene.sand.d50_m * (1.0 + 1e-9):
+            found.append(
+                f"The sand's own length of {3e3 * scene.sand.d50_m:.3g} mm is not resolved by the grid, and the law "
+                f"takes {1e3 * scene.characteristic_length_m:.3g} mm: how thick zones are follows the grid."
+            )
+        elif cell > 1.5 * scene.characteristic_length_m:
             found.append(
                 "Wall normal forces N and wall normal stresses between very rough walls are not converged: with a "
                 "local law N of dense sand in a silo of 0.2 m × 0.5 m is a quarter too high on 5 mm cells."

@@ -16,7 +16,7 @@ from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.runs.theories import hopper_of
 from taichi_silo.scene import known_limits
-from taichi_silo.scene.scene import Flow, Mesh, Scene, Walls
+from taichi_silo.scene.scene import Averaging, Flow, Mesh, Scene, Walls
 from taichi_silo.scene.silo import Hopper, Insert, Outlet, Silo
 from taichi_silo.show import theory
 from taichi_silo.show.report.drawing import drawing
@@ -360,7 +360,9 @@ def test_free_outflow_has_a_rate_and_no_quasi_static_limits(tmp_path):
 
 def test_known_limits_are_those_of_the_kind_of_run(tmp_path):
     rough = written(tmp_path / "rough", Scene(grid=Mesh(cell_size_m=0.01)))
-    assert any("not converged" in words for words in known_limits.of_results(rough.scene))
+    assert any("is not resolved by the grid" in words for words in known_limits.of_results(rough.scene))
+    local = Scene(grid=Mesh(cell_size_m=0.01), averaging=Averaging(characteristic_length_m=0.0015))
+    assert any("not converged" in words for words in known_limits.of_results(local))
     scene = Scene(silo=Silo(outlet=Outlet(width_m=0.06)), grid=Mesh(cell_size_m=0.01), flow=Flow(speed_m_per_s=0.02))
     narrow = written(tmp_path / "narrow", scene)
     assert any("6 cells wide" in words for words in known_limits.of_results(narrow.scene))

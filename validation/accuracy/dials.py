@@ -2,7 +2,7 @@
 
 from taichi_silo.scene.fidelity import FIDELITIES, fidelity
 from taichi_silo.scene.scene import Scene
-from validation.accuracy.scenes import CELL, LENGTH, SPEED, Settings
+from validation.accuracy.scenes import CELL, LENGTH, OWN_LENGTH_M, SPEED, Settings
 
 BASE_DIAL, FINE, SLOW, NAMED = "base", "fine cells", "bottom speed", "fidelity"
 SPEEDS = (0.016, 0.008, 0.004, 0.002)
@@ -24,19 +24,19 @@ GRIDS_M = {  # of the runs from which the truth of a scene is extrapolated; thin
     "outlet": (0.01, 0.005, 0.004), "hopper": (0.01, 0.005, 0.004), "insert": (0.01, 0.005, 0.004),
     "": (0.02, 0.01, 0.005),
 }  # fmt: skip
-CELLS, AS_LONG, LENGTHS = "cells", "cells, length as long", "length on 10 mm cells"
+CELLS, LOCAL, LENGTHS = "cells", "cells of a local law", "length on 10 mm cells"
 WALL = "walls in the mean"
-OF_VERY_ROUGH = (AS_LONG, LENGTHS, WALL)  # dials that turn nothing between other walls, where sand shears nowhere
+OF_VERY_ROUGH = (LOCAL, LENGTHS, WALL)  # dials that turn nothing between other walls, where sand shears nowhere
 DIALS: dict[str, list[Settings]] = {
     CELLS: _values(CELL, 0.02, 0.01, 0.005),
-    AS_LONG: [one for cell in (0.02, 0.01, 0.005) for one in _lengths(cell, 1.0)],
-    LENGTHS: _lengths(0.01, 0.5, 0.7, 1.0, 2.0),
+    LOCAL: [{CELL: cell, LENGTH: 0.0} for cell in (0.02, 0.01, 0.005)],
+    LENGTHS: _lengths(0.01, 0.5, 1.0, 2.0),
     SLOW: _values(SPEED, *SPEEDS),
     "points a cell": _values("grid.points_per_cell", 1, 4),
     WALL: [{"averaging.wall": wall} | _lengths(0.01, 1.0)[0] for wall in ("ignored", "rigid")],
 }
 CHANGES = {  # of a part of the method: the two settings between which it is told what it changes
-    "non-local average": ((AS_LONG, "10 mm, 10 mm"), (BASE_DIAL, "all as it is")),
+    "non-local average": ((LOCAL, "10 mm, 0 mm"), (BASE_DIAL, "all as it is")),
     "points a cell": (("points a cell", "1"), ("points a cell", "4")),
 }
 METHOD: dict[str, list[Settings]] = {
@@ -70,7 +70,8 @@ def turned(dial: str, scene: str, full: bool = False) -> list[Settings]:
     if elsewhere or dial in OF_VERY_ROUGH and "very-rough" not in scene:
         return []
     if dial == FINE:
-        return _values(CELL, *next(grids for kind, grids in GRIDS_M.items() if kind in scene))
+        grids = next(grids for kind, grids in GRIDS_M.items() if kind in scene)
+        return [{CELL: cell, LENGTH: OWN_LENGTH_M} if "very-rough" in scene else {CELL: cell} for cell in grids]
     if dial == NAMED and scene not in TYPICAL:
         return dials()[dial][:2]  # the others are as fine as what tells the truth there
     return dials()[dial]

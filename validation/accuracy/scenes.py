@@ -19,6 +19,7 @@ BASE: Settings = {
     CELL: 0.01, SPEED: 0.008, "flow.displacement_m": 0.005, "silo.half": "yes", "machine.threads": 1,
 }  # fmt: skip
 VERY_ROUGH_M = 0.02  # of displacement: the sand along such walls softens until they have slid by a zone's thickness
+OWN_LENGTH_M = 0.0015  # of the law, 3 d50: on coarse cells between very rough walls the default is longer
 SLOW = 0.002  # m/s: the default speed, for which the truth is told
 
 

@@ -1,10 +1,10 @@
 """The runs of a study of convergence: a scene on finer and finer cells, with shorter lengths, at several speeds.
 
 Three numerical parameters bend a result: the size of the cells h; between very rough walls the length l of the
-non-local law, which cannot act below a cell, so that l = max(l_c, h); and the speed v of the bottom, where the
+non-local law, which cannot act far below a cell, so that l = max(l_c, 0.7 h); and the speed v of the bottom, where the
 scene's own would cost too much. Step k of the ladder has the run
 
-    main k:   h_k, l_k = max(l_c, h_k), v            and, from the second on,
+    main k:   h_k, l_k = max(l_c, 0.7 h_k), v        and, from the second on,
     grid k:   h_k, l_{k-1}, v                        where the length of the step before is another one
 
 so that main k-1 to grid k is the effect of the cells alone, and grid k to main k that of the length alone. The first
@@ -17,6 +17,7 @@ from functools import cached_property
 
 from taichi_silo.errors import BadInput
 from taichi_silo.scene import cell_sizes
+from taichi_silo.scene.averaging import OF_CELL
 from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import outflow
@@ -93,7 +94,7 @@ class Ladder:
 
     def length(self, step: int) -> float:
         """Length of the law in the main run of a step [m]."""
-        return max(self.aim_m, self.cell(step)) if self.scene.walls.kind == "very-rough" else self.aim_m
+        return max(self.aim_m, OF_CELL * self.cell(step)) if self.scene.sticks else self.aim_m
 
     def main(self, step: int) -> Rung:
         """The main run of a step."""
