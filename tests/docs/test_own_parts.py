@@ -12,10 +12,7 @@ from written import DOCS, blocks
 
 import taichi_silo as ts
 from taichi_silo.cli import app
-from taichi_silo.mpm import own_parts
-from taichi_silo.runs import observers
 from taichi_silo.runs.plugins import load_plugin
-from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.studies.sweep.runs import Run
 from tests.smallest import SMALLEST, smallest
 

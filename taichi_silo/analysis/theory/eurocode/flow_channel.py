@@ -11,8 +11,8 @@ there are three of them, G = 0.25, 0.4, 0.6, with the lower mu of the wall and t
     far from it:        p_hse = p_hf
     theta_c to 2 theta_c: p_hae = 2 p_hse - p_hce, and p_w = mu p_h everywhere
 
-Near the surface of a squat or intermediate silo, whose static solid hardly touches the wall, p_hae would be below 0: 0 is
-left there, as no solid pulls at a wall (as far as could be confirmed the clauses do not say it).
+Near the surface of a squat or intermediate silo, whose static solid hardly touches the wall, p_hae would be below 0. 0
+is left there, as no solid pulls at a wall (as far as could be confirmed the clauses do not say it).
 
 In class 2 there is one, theta_c = 35 degrees, with nothing inside and 2 p_hf beside it; not confirmed in print. The
 column in the channel is in vertical equilibrium with the friction on wall and static solid.
