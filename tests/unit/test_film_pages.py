@@ -84,7 +84,7 @@ def test_without_axes_the_sand_is_larger():
 
 
 @pytest.mark.parametrize("field", ["void_ratio", "layers", "mobilised_friction"])
-@pytest.mark.parametrize("size", [SIZE, (1080, 1920), (1080, 1080)])
+@pytest.mark.parametrize("size", [SIZE, (1080, 1920), (1080, 1080), (480, 480)])
 @pytest.mark.parametrize("name", SILOS)
 def test_no_label_lies_over_another(name, size, field, folder):
     runtime.init("cpu", 1)
