@@ -1,13 +1,13 @@
 """Wall loads as a step of Abaqus includes them: by height, and by angle where they differ.
 
-Write `*INCLUDE, INPUT=CASE.inp` within a step for `*DSLOAD` on surfaces, or `CASE_elements.inp` for `*DLOAD` on element
-sets of the same names, whose normals then must point outward. The model needs those that `surfaces.csv` lists, each the
-inner face of the shell between two heights and two angles, in the coordinates of `wall_loads`: a case that is the same
-all round has WALL_B01, WALL_B02, ... from the foot, another one WALL_B01_S01, ... with sectors too; a hopper HOPPER_B01.
-`P` is a pressure into the face, so outward on a wall; `TRSHR` a traction along the face, of which the direction
-0, 0, -1 is projected onto it. Units are N and m. The value of a band is the mean over its area, so the resultant is
-that of the field, but for the turning of the pressure within a sector: of a patch p cos(theta) 0.6 % of its force are
-lost. Nothing here was read by Abaqus itself.
+Write `*INCLUDE, INPUT=CASE.inp` within a step for `*DSLOAD` on surfaces, or `CASE_elements.inp` for `*DLOAD` on
+element sets of the same names, whose normals then must point outward. The model needs those that `surfaces.csv` lists,
+each the inner face of the shell between two heights and two angles, in the coordinates of `wall_loads`: a case that is
+the same all round has WALL_B01, WALL_B02, ... from the foot, another one WALL_B01_S01, ... with sectors too; a hopper
+HOPPER_B01. `P` is a pressure into the face, so outward on a wall; `TRSHR` a traction along the face, of which the
+direction 0, 0, -1 is projected onto it. Units are N and m. The value of a band is the mean over its area, so the
+resultant is that of the field, but for the turning of the pressure within a sector: of a patch p cos(theta) 0.6 % of
+its force are lost. Nothing here was read by Abaqus itself.
 """
 
 from itertools import pairwise
