@@ -147,7 +147,7 @@ def explain(scene, flag_words: Callable[[str], str] = str) -> None:
 
     scene.machine.start()
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for column in ("part", "choice", "because", "overruled by"):
+    for column in ("part", "choice", "because", "otherwise by"):
         table.add_column(column)
     for part in parts(scene):
         table.add_row(part.part, part.choice, part.because, flag_words(part.flag) or "–")

@@ -4,9 +4,12 @@ import math
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
 from taichi_silo.analysis.theory.eurocode.bottoms import Bottom
 from taichi_silo.analysis.theory.eurocode.solids import Solid
 from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
+from taichi_silo.scene import polygons
 from taichi_silo.scene.design import Design
 from taichi_silo.scene.published_solids import published
 from taichi_silo.scene.scene import Scene
@@ -35,20 +38,32 @@ def eurocode_of(scene: Scene | Design) -> EurocodeSilo | None:
     )  # fmt: skip
 
 
+def _hopper_of(silo: Silo) -> tuple[float, float] | None:
+    """Half angle [deg] and width at the lower end [m] of a hopper, or of an outline whose two straight inclined walls
+    are mirror images; None of every other bottom.
+    """
+    if silo.hopper is not None:
+        return silo.hopper.half_angle_deg, silo.hopper.outlet_width_m
+    left, right = (chain[chain[:, 1] <= silo.transition_m + polygons.SAME] for chain in silo.sides)
+    mirrored = np.array([silo.width_m, 0.0]) + right * (-1.0, 1.0)
+    if not (silo.transition_m and len(left) == len(right) == 2 and np.abs(left - mirrored).max() <= polygons.SAME):
+        return None
+    (into, low), (_, high) = left
+    return (math.degrees(math.atan2(into, high - low)), silo.width_m - 2.0 * into) if into > 0.0 else None
+
+
 def _apex_m(silo: Silo) -> float:
     """Height of the transition over the apex of a hopper, or over the outlet of an outline; 0 with a flat bottom."""
-    if silo.hopper is None:
-        return silo.transition_m
-    return 0.5 * silo.width_m / math.tan(math.radians(silo.hopper.half_angle_deg))
+    hopper = _hopper_of(silo)
+    return silo.transition_m if hopper is None else 0.5 * silo.width_m / math.tan(math.radians(hopper[0]))
 
 
 def bottom_of(scene: Scene | Design, walls: EurocodeSilo) -> Bottom | None:
-    """The floor or hopper of a scene's silo below its vertical walls; None below an outline's inclined walls."""
-    silo, code = scene.silo, scene.eurocode
-    if silo.hopper is None:
-        return None if silo.transition_m else Bottom(walls, dynamic=code.dynamic)
-    angle, outlet = silo.hopper.half_angle_deg, silo.hopper.outlet_width_m
-    return Bottom(walls, angle, outlet, code.hopper_wall or walls.wall, code.dynamic)
+    """The floor or hopper of a scene's silo below its vertical walls; None below other inclined walls of an outline."""
+    code, hopper = scene.eurocode, _hopper_of(scene.silo)
+    if hopper is None:
+        return None if scene.silo.transition_m else Bottom(walls, dynamic=code.dynamic)
+    return Bottom(walls, *hopper, code.hopper_wall or walls.wall, code.dynamic)
 
 
 def whose_numbers(scene: Scene | Design) -> str:

@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from taichi_silo.scene.published_solids import NOTES, published
+from taichi_silo.scene.published_solids import NOTES, key_of, published
 from taichi_silo.scene.silo import Silo
 from taichi_silo.utils.messages import near, shown
 from taichi_silo.utils.schema import Options
@@ -58,7 +58,7 @@ class Eurocode(Options):
     @field_validator("solid")
     @classmethod
     def _known(cls, name: str) -> str:
-        key = name.strip().lower().replace(" ", "-").replace("_", "-")
+        key = key_of(name)
         if key not in published():
             meant = near(key, published())
             hint = (

@@ -89,7 +89,7 @@ def _with_constants(sand: dict) -> dict:
         return sand
     raise BadInput(
         f"sand.name is {shown(name)}; it must be one of {', '.join(known)}, or come with all its constants: "
-        f"{missing[0]} is missing"
+        f"{missing[0]} is missing{sands.only_theory(name)}"
     )
 
 

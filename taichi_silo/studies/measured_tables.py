@@ -5,6 +5,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 from taichi_silo.errors import BadInput
@@ -15,6 +16,8 @@ LARGEST, MOST_COLUMNS = 20_000_000, 100  # bytes of a file
 REMARK = re.compile(r"^\s*(#|%|//)")  # begin of a line that is no row
 BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]$")
 NO_VALUE = ("", "-", "--", "nan", "n/a", "na", "n.a.", "null", "none", "#n/a", "#nv", "#wert!", "#value!", "#div/0!")
+SAYS = re.compile(r"[=:]")
+AND = re.compile(r"[,;]\s+(?=[^\d\s])")  # between statements on one line
 STATED = re.compile(r"^[\s#%/]*(.+?)\s*[=:;,\t ]\s*([-+−]?\d[\d.,]*(?:[eE][-+]?\d+)?)\s*[;,\t ]?\s*(\S*?)[;,\t ]*$")
 THOUSANDS = re.compile(r"^[-+]?[1-9]\d{0,2}(,\d{3})+$")
 
@@ -50,9 +53,10 @@ class MeasuredTable:
         return value_of(cell, self.separator, self.line(number, column, cell))
 
     def stated(self) -> dict[str, tuple[float, str]]:
-        """Numbers that are stated above the columns or in remarks ("cell pressure: 100 kPa"): value and unit."""
+        """Numbers stated above the columns or in remarks ("cell pressure: 100 kPa, e0: 0.6"): value and unit."""
         found = {}
-        for remark in self.remarks:
+        several = (AND.split(remark) if len(SAYS.findall(remark)) > 1 else [remark] for remark in self.remarks)
+        for remark in chain.from_iterable(several):
             if (match := STATED.match(remark)) and is_number(match[2]):
                 name, number, unit = match.groups()
                 found[name.strip(" =:;,\t")] = (value_of(number, ";", remark), unit.strip("[]()"))

@@ -23,6 +23,7 @@ from taichi_silo.studies.converge.study import Study
 from tests.smallest import TABLES
 
 SCENE = Scene(machine=Machine(threads=1))
+SMOOTH = {"walls__kind": "smooth", "walls__friction_angle_deg": 22.0}
 
 
 def ladder(**values):
@@ -43,6 +44,13 @@ def test_an_outlet_has_cells_enough_on_the_coarsest_grid_and_its_edges_on_every_
     for step in range(4):
         assert 0.08 / one.cell(step) == pytest.approx(round(0.08 / one.cell(step)))
     assert 0.04 / one.cell(0) >= 4.0 - 1e-9
+
+
+def test_a_column_that_stands_free_has_cells_enough_on_the_coarsest_grid():
+    """It is the sand that is resolved, not the room that it falls into."""
+    for left, right in ((0.08, 0.12), (0.0, 0.05)):
+        one = ladder(silo__column_m=(left, right), silo__height_m=0.2, flow__outflow="collapse", **SMOOTH)
+        assert (right - left) / one.cell(0) >= 10.0 - 1e-9
 
 
 def test_sides_that_no_common_cell_divides_are_refused_in_a_sentence():

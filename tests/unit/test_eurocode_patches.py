@@ -197,3 +197,17 @@ def test_no_load_pulls_at_a_wall(action_class, thickness):
     for one in cases:
         for angle in one.angles_deg:
             assert one.normal_Pa(columns["depth_m"], angle).min() >= 0.0, one.name
+
+
+@pytest.mark.parametrize("height", [5.0, 9.0, 15.0, 30.0])
+@pytest.mark.parametrize("action_class", [2, 3])
+@pytest.mark.parametrize("name", solids())
+def test_no_flow_channel_pulls_at_a_wall(name, action_class, height):
+    """Beside a channel 2 p_hse - p_hce is below 0 near the surface of a squat silo, whose heap leaves the wall."""
+    silo = replace(FAR, solid=solids()[name], height_m=height, action_class=action_class)
+    columns, cases = depth_table(silo, 41, 0.02)
+    assert columns["envelope_least_normal_Pa"].min() >= 0.0
+    for one in cases:
+        for angle in np.arange(0.0, 360.0, 7.3):
+            assert one.normal_Pa(columns["depth_m"], angle).min() >= 0.0, one.name
+            assert one.shear_Pa(columns["depth_m"], angle).min() >= 0.0, one.name

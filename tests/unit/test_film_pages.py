@@ -84,7 +84,7 @@ def test_without_axes_the_sand_is_larger():
 
 
 @pytest.mark.parametrize("field", ["void_ratio", "layers", "mobilised_friction"])
-@pytest.mark.parametrize("size", [SIZE, (1080, 1920), (1080, 1080)])
+@pytest.mark.parametrize("size", [SIZE, (1080, 1920), (1080, 1080), (480, 480)])
 @pytest.mark.parametrize("name", SILOS)
 def test_no_label_lies_over_another(name, size, field, folder):
     runtime.init("cpu", 1)
@@ -105,6 +105,17 @@ def test_no_label_lies_over_another(name, size, field, folder):
         assert not overlap(a, b), (first, second)
     for words, box in boxes:
         assert box.x0 >= -1 and box.x1 <= size[0] + 1 and box.y0 >= -1 and box.y1 <= size[1] + 1, words
+
+
+@pytest.mark.parametrize("size", [(1080, 1080), (640, 360), (480, 480), (360, 640), (320, 180)])
+def test_the_word_of_the_weight_stays_within_its_axes_on_small_pages(size, folder):
+    """Letters of a few pixels are wider than their size says."""
+    runtime.init("cpu", 1)
+    scene, look = made_up.scene(0.02, silo=Silo(height_m=0.4)), Look(field="layers", size=size)
+    canvas = Picture(scene, scale_of(Result(folder), look, False), course_of(scene), look).canvas
+    forces = canvas.furniture.forces
+    (label,) = [text for text in forces.texts if text.get_text().startswith("weight of the sand")]
+    assert label.get_window_extent().width <= forces.get_window_extent().width
 
 
 def test_letters_of_curves_are_a_gap_apart_and_above_the_axis():

@@ -162,6 +162,18 @@ def test_numbers_are_stated_in_words_above_the_columns(tmp_path):
     assert found["Probe"] == (7.0, "")
 
 
+@pytest.mark.parametrize("text", [
+    "# cell pressure = 100 kPa, e0 = 0,65, grain density = 2.65 g/cm3\na;b\n1;2\n",
+    "// sample of May; cell pressure: 100 kPa; e0: 0.65; grain density: 2.65 g/cm3\na,b\n1,2\n",
+])  # fmt: skip
+def test_several_numbers_may_be_stated_on_one_line(tmp_path, text):
+    file = tmp_path / "a.csv"
+    file.write_text(text)
+    found = read_table(file).stated()
+    assert found["cell pressure"] == (100.0, "kPa") and found["e0"] == (0.65, "")
+    assert found["grain density"] == (2.65, "g/cm3")
+
+
 IMPOSSIBLE = {
     "void ratio rises": (
         "axial stress [kPa],void ratio\n100,0.6\n200,0.7\n400,0.9\n",

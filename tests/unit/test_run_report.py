@@ -144,6 +144,14 @@ def test_each_part_and_each_check_is_explained(run):
     assert all(check.means in words and check.limit in words for check in checks)
 
 
+def test_no_part_looks_as_if_somebody_had_overruled_it(run):
+    """The flags that could decide otherwise were not given: a page of what was done does not name them."""
+    parts = json.loads((run / "summary.json").read_text())["parts"]
+    table = re.search(r'<section id="model">.*?</section>', report(run).read_text(encoding="utf-8"), re.DOTALL)[0]
+    assert any(part["flag"] for part in parts) and "overruled" not in table
+    assert not [part["flag"] for part in parts if part["flag"] and f"<code>{part['flag']}</code>" in table]
+
+
 def test_theory_stands_beside_the_stresses_of_the_run(run):
     files = Result(run)
     table = stress_table(files)

@@ -7,6 +7,7 @@ from taichi_silo.errors import BadInput
 from taichi_silo.mpm.laws.stress_point import StressPoint
 from taichi_silo.scene import sands
 from taichi_silo.scene.published_sands import published
+from taichi_silo.scene.scene_files import scene_of
 from taichi_silo.studies.element_tests import TESTS, start_strain, through_point
 
 NAMES = list(published())
@@ -125,3 +126,17 @@ def test_an_impossible_sand_is_refused_with_what_is_violated(tmp_path, change, w
 def test_an_unknown_sand_is_refused_with_those_there_are(name, words):
     with pytest.raises(BadInput, match=words):
         sands.sand(name, 0.7)
+
+
+@pytest.mark.parametrize("name", ["wheat", "Cement", "soya beans"])
+def test_a_stored_solid_that_is_no_sand_is_said_to_have_only_theory(name):
+    """No constants of the law are known of a solid of EN 1991-4; the sentence says where its pressures are."""
+    key = name.lower().replace(" ", "-")
+    for ask in (lambda: sands.sand(name, 0.6), lambda: scene_of({"sand": {"name": name, "void_ratio": 0.6}})):
+        with pytest.raises(BadInput) as said:
+            ask()
+        assert f"{key} is a solid of EN 1991-4" in str(said.value) and "only theory applies" in str(said.value)
+        assert "taichi-silo eurocode" in str(said.value) and "\n" not in str(said.value)
+    with pytest.raises(BadInput) as said:
+        sands.sand("gravel", 0.6)
+    assert "EN 1991-4" not in str(said.value)

@@ -65,11 +65,12 @@ def test_a_hopper_s_bands_carry_what_walker_says():
     assert total == pytest.approx(hopper.wall_force_N_per_m * np.pi * 10.0, rel=1e-4)
 
 
-def test_an_include_file_has_a_pressure_and_a_traction_for_each_surface():
+@pytest.mark.parametrize(("end", "keyword"), [("", "*DSLOAD"), ("_elements", "*DLOAD")])
+def test_an_include_file_has_a_pressure_and_a_traction_for_each_surface(end, keyword):
     load = loads(ROUND)["discharge_pressure"]
-    text, surfaces = abaqus.include_file(load, "EN 1991-4")
-    lines = [line for line in text.splitlines() if not line.startswith("**")]
-    assert lines[0] == "*DSLOAD"
+    texts, surfaces = abaqus.include_files(load, "EN 1991-4")
+    lines = [line for line in texts[end].splitlines() if not line.startswith("**")]
+    assert lines[0] == keyword
     names = [f"WALL_B{number:02d}" for number in range(1, 21)]
     assert lines[1::2] == [line for line in lines[1:] if re.fullmatch(r"WALL_B\d\d, P, [\d.e+-]+", line)]
     assert lines[2::2] == [
@@ -95,7 +96,7 @@ def test_the_folder_has_points_in_space_and_all_cases(tmp_path):
     assert list(points) == ["X", "Y", "Z", "P", "T"]
     assert points.P.to_numpy() == pytest.approx(table[table.case == "filling_pressure"].normal_Pa.to_numpy())
     includes = {file.stem for file in (tmp_path / "loads").glob("*.inp")}
-    assert includes == set(found)
+    assert includes == set(found) | {f"{case}_elements" for case in found}
     surfaces = pd.read_csv(tmp_path / "loads" / "surfaces.csv")
     assert set(surfaces.case) == set(found)
 

@@ -45,7 +45,10 @@ def command(
     fps: Annotated[int | None, Option(help="frames a second, 1 to 120; 30 if not given, of a GIF 25")] = None,
     frame: Annotated[
         float | None,
-        Option(help="draw one picture, at this displacement in mm, in free outflow so many seconds after the opening"),
+        Option(
+            help="draw one picture, at this displacement in mm; in free outflow, or with --beside, so many seconds "
+            "after the begin"
+        ),
     ] = None,
     output: Annotated[
         Path | None,

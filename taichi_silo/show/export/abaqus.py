@@ -1,12 +1,13 @@
-"""Wall loads as a step of Abaqus includes them: `*DSLOAD` on surfaces by height, and by angle where they differ.
+"""Wall loads as a step of Abaqus includes them: by height, and by angle where they differ.
 
-Write `*INCLUDE, INPUT=CASE.inp` within a step. The model needs the surfaces that `surfaces.csv` lists, each the inner
-face of the shell between two heights and two angles, in the coordinates of `wall_loads`: a case that is the same all
-round has WALL_B01, WALL_B02, ... from the foot, another one WALL_B01_S01, ... with sectors too; a hopper HOPPER_B01.
-`P` is a pressure into the face, so outward on a wall; `TRSHR` a traction along the face, of which the direction
-0, 0, -1 is projected onto it. Units are N and m. The value of a band is the mean over its area, so the resultant is
-that of the field, but for the turning of the pressure within a sector: of a patch p cos(theta) 0.6 % of its force are
-lost. Nothing here was read by Abaqus itself.
+Write `*INCLUDE, INPUT=CASE.inp` within a step for `*DSLOAD` on surfaces, or `CASE_elements.inp` for `*DLOAD` on
+element sets of the same names, whose normals then must point outward. The model needs those that `surfaces.csv` lists,
+each the inner face of the shell between two heights and two angles, in the coordinates of `wall_loads`: a case that is
+the same all round has WALL_B01, WALL_B02, ... from the foot, another one WALL_B01_S01, ... with sectors too; a hopper
+HOPPER_B01. `P` is a pressure into the face, so outward on a wall; `TRSHR` a traction along the face, of which the
+direction 0, 0, -1 is projected onto it. Units are N and m. The value of a band is the mean over its area, so the
+resultant is that of the field, but for the turning of the pressure within a sector: of a patch p cos(theta) 0.6 % of
+its force are lost. Nothing here was read by Abaqus itself.
 """
 
 from itertools import pairwise
@@ -17,6 +18,7 @@ import numpy as np
 if TYPE_CHECKING:
     from taichi_silo.show.export.wall_loads import WallLoad
 
+KEYWORDS = {"": "*DSLOAD", "_elements": "*DLOAD"}  # by the end of the file's name
 BANDS, SECTORS, SAME = 20, 24, 1e-9
 SAMPLES, TURNS = 64, 8  # of a band's mean: heights, angles
 
@@ -58,12 +60,19 @@ def bands(load: "WallLoad") -> list[dict]:
     return found
 
 
-def include_file(load: "WallLoad", about: str) -> tuple[str, list[dict]]:
-    """Text of a load's include file, and its surfaces."""
+def include_files(load: "WallLoad", about: str) -> tuple[dict[str, str], list[dict]]:
+    """Texts of a load's include files by the end of their names, and its surfaces."""
     found = bands(load)
+    faces = {"": "pressure into the inner face", "_elements": "pressure outward, along the normals of the elements"}
+    texts = {end: _text(load, about, found, keyword, faces[end]) for end, keyword in KEYWORDS.items()}
+    surfaces = [{key: value for key, value in one.items() if not key.endswith("_Pa")} for one in found]
+    return texts, [{"case": load.case, **one} for one in surfaces]
+
+
+def _text(load: "WallLoad", about: str, found: list[dict], keyword: str, pressure: str) -> str:
     lines = [
         f"** {about}: {load.case}, {load.about}", "** units N, m, Pa; z upwards from the foot of the wall",
-        "** P: pressure into the inner face; TRSHR: friction of the solid on the wall, downwards", "*DSLOAD",
+        f"** P: {pressure}; TRSHR: friction of the solid on the wall, downwards", keyword,
     ]  # fmt: skip
     for one in found:
         place = f"z {one['from_height_m']:.6g} to {one['to_height_m']:.6g}"
@@ -73,5 +82,4 @@ def include_file(load: "WallLoad", about: str) -> tuple[str, list[dict]]:
             f"** {place}", f"{one['surface']}, P, {one['normal_Pa']:.8g}",
             f"{one['surface']}, TRSHR, {one['shear_Pa']:.8g}, 0., 0., -1.",
         ]  # fmt: skip
-    surfaces = [{key: value for key, value in one.items() if not key.endswith("_Pa")} for one in found]
-    return "\n".join(lines) + "\n", [{"case": load.case, **one} for one in surfaces]
+    return "\n".join(lines) + "\n"

@@ -169,7 +169,7 @@ def write_loads(loads: list[WallLoad], target: Path, about: str) -> None:
     """Write loads into a folder, which is there when all are complete, or not at all; an earlier one is replaced.
 
     `wall_pressures.csv`: all points of all cases. `points_CASE.txt`: X, Y, Z, pressure P and friction T of one case,
-    for mapped fields. `CASE.inp` and `surfaces.csv`: see `abaqus`.
+    for mapped fields. `CASE.inp`, `CASE_elements.inp` and `surfaces.csv`: see `abaqus`.
     """
     passing = target.absolute().with_name(f"{target.name}.part")
     shutil.rmtree(passing, ignore_errors=True)
@@ -184,8 +184,9 @@ def write_loads(loads: list[WallLoad], target: Path, about: str) -> None:
             table[list(columns)].rename(columns=columns).to_csv(
                 passing / f"points_{one.case}.txt", index=False, sep=" ", float_format="%.8g"
             )
-            text, names = abaqus.include_file(one, about)
-            (passing / f"{one.case}.inp").write_text(text, encoding="utf-8")
+            texts, names = abaqus.include_files(one, about)
+            for end, text in texts.items():
+                (passing / f"{one.case}{end}.inp").write_text(text, encoding="utf-8")
             surfaces += names
         pd.DataFrame(surfaces).drop_duplicates().to_csv(passing / "surfaces.csv", index=False, float_format="%.8g")
         shutil.rmtree(target, ignore_errors=True)

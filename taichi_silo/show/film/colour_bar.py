@@ -27,7 +27,7 @@ def draw_scale(axes, scale: Scale, look: dict, missing) -> None:
     bar = axes.figure.colorbar(ScalarMappable(norm, scale.colours), cax=axes)
     label = bar.ax.yaxis.label
     bar.set_label(scale.label, fontsize=30, color=ink, labelpad=12)
-    room = axes.get_window_extent().height * (1.0 if scale.missing else 1.1)
+    room = axes.get_window_extent().height * (0.96 if scale.missing else 1.1)
     label.set_fontsize(30 * min(1.0, room / label.get_window_extent().height))
     bar.locator = LogLocator(subs=(1.0, 2.0, 5.0)) if scale.decades else MaxNLocator(6, steps=[1, 2, 5, 10])
     bar.ax.yaxis.set_minor_locator(NullLocator())

@@ -109,7 +109,7 @@ def _forces(forces: Axes, layout: Layout, weight, course: Course, top_force: flo
     forces.axhline(1e-3 * weight, color="#777777", linewidth=2.5, linestyle=(0, (6, 4)))
     words = f"weight of the sand {number(1e-3 * weight, 4)} kN/m"
     size = fitting(words, 26, zoom, 0.97 * plot.columns)
-    forces.text(
+    label = forces.text(
         0.985,
         weight / top_force - 0.015,
         words,
@@ -119,6 +119,8 @@ def _forces(forces: Axes, layout: Layout, weight, course: Course, top_force: flo
         ha="right",
         va="top",
     )
+    wide_px = label.get_window_extent().width  # letters of a few pixels are wider than their size says
+    label.set_fontsize(size * min(1.0, 0.97 * plot.columns / wide_px))
     if note:
         size = min(fitting(note, 26, zoom, 0.97 * plot.columns), 0.07 * high)
         forces.text(0.985, 1.0, note, transform=forces.transAxes, fontsize=size, color="#555555", ha="right", va="top")

@@ -8,7 +8,7 @@ import pandas as pd
 from taichi_silo.analysis.theory.eurocode.bottoms import Bottom
 from taichi_silo.analysis.theory.eurocode.flow_channel import FlowChannel, channels
 from taichi_silo.analysis.theory.eurocode.flow_pattern import flow_pattern
-from taichi_silo.analysis.theory.eurocode.load_cases import LoadCase, depth_table
+from taichi_silo.analysis.theory.eurocode.load_cases import LoadCase, clause_of, depth_table
 from taichi_silo.analysis.theory.eurocode.patch_loads import STATES, PatchLoad, patch_loads, uniform_increase
 from taichi_silo.analysis.theory.eurocode.solids import TABLE_3_1
 from taichi_silo.analysis.theory.eurocode.vertical_walls import EurocodeSilo
@@ -42,7 +42,7 @@ class EurocodeReport:
 
     @property
     def bottom(self) -> Bottom | None:
-        """Floor or hopper; None below inclined walls of an outline."""
+        """Floor or hopper; None below inclined walls that are neither cone nor wedge."""
         return bottom_of(self.scene, self.silo)
 
     @cached_property
@@ -87,7 +87,7 @@ class EurocodeReport:
             "solid": silo.solid.title, "wall": silo.wall, "action assessment class": str(silo.action_class),
             "h_c / d_c": f"{plain(silo.height_m)} m / {plain(silo.width_m)} m = {silo.height_m / silo.width_m:.3g}: "
             f"{silo.slenderness} (5.1)",
-            "C_h, C_w": f"{h:.3g}, {w:.3g} (5.2.2.1, 5.3.2.1)",
+            "C_h, C_w": f"{h:.3g}, {w:.3g} ({clause_of(silo, 'discharge')})",
         }  # fmt: skip
         for state in STATES:
             more = uniform_increase(silo, state, self.scene.eurocode.wall_thickness_m)
@@ -132,13 +132,14 @@ class EurocodeReport:
         """Pressures by depth in kPa."""
         rows = [(f"{row.depth_m:.4g}", *(kPa(getattr(row, name)) for name in DEPTH)) for row in self.frame.itertuples()]
         clauses = [f"{one.name.replace('_', ' ')} ({one.clause})" for one in self.cases]
-        forces = "5.2.1.1" if self.silo.slenderness == "slender" else "5.3"
         note = (
             "kPa, n_zSk in kN per metre of girth; depth below the levelled surface. p_h presses outward, p_w downward. "
-            f"Envelope over {', '.join(clauses)}; n_zSk, p_vf: {forces}."
+            f"Envelope over {', '.join(clauses)}; n_zSk, p_vf: {clause_of(self.silo, 'filling')}."
         )
         if any(one.shares[1] < 0.0 for one in self.patches):
             note += " A patch takes away p_h at most: near the surface 0 is left, as no solid pulls at a wall."
+        if self.channels and self.silo.surface_depth_m:
+            note += " So does what stands beside a flow channel."
         return ReportTable(("depth (m)", *DEPTH.values()), tuple(rows), note)
 
     def value_table(self) -> ReportTable:

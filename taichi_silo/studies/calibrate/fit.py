@@ -14,8 +14,8 @@ from taichi_silo.studies.calibrate.problem import FREE, NOISE, Problem
 
 LEAST_NOISE = 0.05  # of the noise at first: what no laboratory is better than
 ROUNDS = 2  # of fits after the first, with the noise from the one before
-ROUGH, EXACT = (1e-3, 15), (1e-7, 60)  # change of the sum of squares at which a search ends, and most evaluations
-MOST_STEPS = 60_000  # of integration in all searches: half a minute of one core; six tests take 4000 to 8000
+ROUGH, EXACT = (1e-3, 15), (1e-6, 40)  # change of the sum of squares at which a search ends, and most evaluations
+MOST_STEPS = 60_000  # of integration in all searches: half a minute of one core; six tests take 5000 to 11,000
 LARGER = 1.25
 ENTANGLED = 0.95  # correlation of a pair of constants that trade off
 Heard = Callable[[str], None]

@@ -22,7 +22,7 @@ from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import outflow
 
-FEWEST_ACROSS = 10  # cells across the silo, on the coarsest grid
+FEWEST_ACROSS = 10  # cells across the silo, or a column that stands free, on the coarsest grid
 FEWEST_IN_OPENING = 4  # cells across an outlet or the mouth of a hopper, likewise
 FEWEST_IN_BODY = 2  # cells across an insert, likewise
 FINER, LEAST_FINER, MOST_FINER = 1.6, 1.3, 2.2  # ratio of the cells of a step to those of the next, as ASME V&V 20 asks
@@ -148,6 +148,8 @@ class Ladder:
         """Cells across that the coarsest grid needs, for the smallest thing in the scene."""
         silo = self.scene.silo
         wanted = [FEWEST_ACROSS, FEWEST_IN_OPENING * silo.width_m / cell_sizes.opening_m(silo)]
+        if silo.column_m is not None:
+            wanted.append(FEWEST_ACROSS * silo.width_m / (silo.column_m[1] - silo.column_m[0]))
         for insert in silo.inserts:
             corners = insert.outline(silo.width_m)
             wanted.append(FEWEST_IN_BODY * silo.width_m / float((corners.max(axis=0) - corners.min(axis=0)).min()))

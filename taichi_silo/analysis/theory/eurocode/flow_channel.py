@@ -11,6 +11,9 @@ there are three of them, G = 0.25, 0.4, 0.6, with the lower mu of the wall and t
     far from it:        p_hse = p_hf
     theta_c to 2 theta_c: p_hae = 2 p_hse - p_hce, and p_w = mu p_h everywhere
 
+Near the surface of a squat or intermediate silo, whose static solid hardly touches the wall, p_hae would be below 0. 0
+is left there, as no solid pulls at a wall (as far as could be confirmed the clauses do not say it).
+
 In class 2 there is one, theta_c = 35 degrees, with nothing inside and 2 p_hf beside it; not confirmed in print. The
 column in the channel is in vertical equilibrium with the friction on wall and static solid.
 """
@@ -91,7 +94,7 @@ class FlowChannel:
         if off > 2.0 * self.contact_deg:
             return static
         inside = self._flowing_Pa(depth_m)
-        return inside if off <= self.contact_deg else 2.0 * static - inside
+        return inside if off <= self.contact_deg else np.maximum(2.0 * static - inside, 0.0)
 
     def _flowing_Pa(self, depth_m: ArrayLike) -> NDArray:
         z = np.asarray(depth_m, dtype=float)

@@ -58,14 +58,15 @@ def _symmetrical(silo: EurocodeSilo, state: str, extreme: str, more: tuple[float
     """A state of the whole girth; with its uniform increase, if given."""
     h, w = silo.discharge_factors if state == "discharge" else (1.0, 1.0)
     h, w = (h, w) if more is None else (h * more[0], w * more[1])
-    load, clause = EXTREMES[extreme], _clause(silo, state) if more is None else "5.2.3"
+    load, clause = EXTREMES[extreme], clause_of(silo, state) if more is None else "5.2.3"
     return LoadCase(
         f"{state}_{extreme}{'' if more is None else '_increased'}", clause,
         lambda z, _: h * silo.filling_normal_Pa(z, load), lambda z, _: w * silo.filling_shear_Pa(z, load),
     )  # fmt: skip
 
 
-def _clause(silo: EurocodeSilo, state: str) -> str:
+def clause_of(silo: EurocodeSilo, state: str) -> str:
+    """Where the symmetrical load of a state stands."""
     if silo.slenderness == "retaining":
         return "5.4.1" if state == "filling" else "5.4.2"
     part = 1 if state == "filling" else 2
