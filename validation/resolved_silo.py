@@ -1,8 +1,8 @@
 """The very rough model silo with the sand's own length resolved: what its numbers are, and what they tend to.
 
-The paper's mass flow, whose bottom sinks by 20 mm, with l_c = 3 d50 = 1.5 mm on cells of 2.5, 2 and 1.54 mm, dense and
-loose; beside them the paper's own cells of 5 mm, on which the law is local, and, on the finest cells, walls that are
-left out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s, the mean goes by a grid.
+The paper's mass flow, whose bottom sinks by 20 mm, with l_c = 3 d50 = 1.5 mm: dense sand on cells of 2.5, 2 and 1.54
+mm, loose sand on 4, 3.1 and 2.5 mm; beside them the paper's own cells of 5 mm, on which the law is local, and, on the
+finest cells, walls that are left out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s, the mean goes by a grid.
 
 Leaves the runs (`cells-130/dense_very-rough_bottom`, ...; a film of the dense one on the finest cells),
 `resolved_runs.csv` (a row a run), `resolved_limits.csv` (what the three grids tend to, with error bars),
@@ -38,8 +38,9 @@ BASE = {
 }  # fmt: skip
 DENSE, LOOSE = "dense_very-rough_bottom", "loose_very-rough_bottom"  # as the paper's cases are called
 SANDS = {DENSE: {}, LOOSE: {"sand.void_ratio": 0.9}}
-PAPERS, RESOLVED = 40, (80, 100, 130)  # cells across
-CELL_M = {PAPERS: 0.005, 80: 0.0025, 100: 0.002, 130: 0.00153846154}
+PAPERS, RESOLVED = 40, {DENSE: (80, 100, 130), LOOSE: (50, 64, 80)}  # cells across
+FINEST = RESOLVED[DENSE][-1]
+CELL_M = {40: 0.005, 50: 0.004, 64: 0.003125, 80: 0.0025, 100: 0.002, 130: 0.00153846154}
 LEFT_OUT = "walls-left-out"  # of the mean
 TOLD = ("P_filled", "T_filled", "N_filled", "pressure_filled_0.5", "P_residual", "T_residual", "N_residual",
         "pressure_residual_0.5", "zone_thickness")  # fmt: skip
@@ -67,11 +68,11 @@ def planned(output: Path) -> dict[tuple[str, str], Run]:
     """The runs by the name of their grid and their case."""
     found = {}
     for case, sand in SANDS.items():
-        for cells in (PAPERS, *RESOLVED):
+        for cells in (PAPERS, *RESOLVED[case]):
             values = BASE | sand | {"grid.cell_size_m": CELL_M[cells]}
-            film = (case, cells) == (DENSE, RESOLVED[-1])
+            film = (case, cells) == (DENSE, FINEST)
             found[f"cells-{cells}", case] = Run(changed(Scene(), values), output / f"cells-{cells}" / case, film=film)
-    values = BASE | {"grid.cell_size_m": CELL_M[RESOLVED[-1]], "averaging.wall": "ignored"}
+    values = BASE | {"grid.cell_size_m": CELL_M[FINEST], "averaging.wall": "ignored"}
     found[LEFT_OUT, DENSE] = Run(changed(Scene(), values), output / LEFT_OUT / DENSE, film=False)
     return found
 
@@ -100,14 +101,15 @@ def of_limits(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
     """What the resolved grids tend to: value, error bar and distance of the finest grid, over the measure of each."""
     rows = []
     for case in SANDS:
-        found = [quantities(results[f"cells-{cells}", case]) for cells in RESOLVED]
+        grids = RESOLVED[case]
+        found = [quantities(results[f"cells-{cells}", case]) for cells in grids]
         for name in TOLD:
             if all(name in one for one in found):
                 values, last = [one[name].value for one in found], found[-1][name]
                 scale = last.scale if np.isfinite(last.scale) else last.value
-                tends = limit([CELL_M[cells] for cells in RESOLVED], values)
+                tends = limit([CELL_M[cells] for cells in grids], values)
                 row = {"sand": case.split("_")[0], "quantity": name, "unit": last.unit}
-                row |= {f"cells_{cells}": value for cells, value in zip(RESOLVED, values, strict=True)}
+                row |= dict(zip(("coarse", "middle", "fine"), values, strict=True))
                 row |= {"limit": tends.value, "order": tends.order, "trust": tends.trust}
                 row |= {"bar": tends.error / scale, "distance": abs(values[-1] - tends.value) / scale}
                 rows.append(row)
@@ -116,7 +118,7 @@ def of_limits(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
 
 def of_statements(output: Path) -> pd.DataFrame:
     """The paper's statements on these two flows, on its own cells and on the finest."""
-    coarse, fine = (evaluate(output / f"cells-{cells}") for cells in (PAPERS, RESOLVED[-1]))
+    coarse, fine = (evaluate(output / f"cells-{cells}") for cells in (PAPERS, FINEST))
     both = coarse.merge(fine, on=["id", "section", "statement", "paper"], suffixes=("_5_mm", "_resolved"))
     judged = both["agrees_5_mm"].isin(("yes", "partly", "no")) | both["agrees_resolved"].isin(("yes", "partly", "no"))
     columns = ["id", "section", "statement", "paper", "ours_5_mm", "agrees_5_mm", "ours_resolved", "agrees_resolved"]
