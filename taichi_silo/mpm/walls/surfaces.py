@@ -180,7 +180,7 @@ class Surfaces:
         put(self.seen, values(other.seen))
 
     def stored_J(self, step_s: float) -> float:
-        """Energy in what sand has sunk into them [J/m, or per radian], with steps of so long [s]: (p^2 + tau^2) / 2 k."""
+        """Energy of these springs, (p^2 + tau^2) / 2 k over their area, for steps of so long [J/m, or per radian]."""
         p, tau, _, per_m = values(self.traction).T
         area, per_depth = values(self.fixed)[:, (2, 4)].T
         touched = per_m > 0.0
