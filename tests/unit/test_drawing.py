@@ -437,6 +437,15 @@ def test_two_bins_are_asked_about(drawn):
         read_silo(file, line=3)
 
 
+def test_two_walls_of_steel_in_section_are_no_two_bins(drawn):
+    wall = [(0, 500), (0, 200), (60, 0), (48, 0), (-12, 197), (-12, 500)]
+    with pytest.raises(Unclear, match=r"could each be the silo; .* as one closed line if they are its two walls"):
+        read_silo(drawn(wall, [(200 - x, y) for x, y in wall]))
+    bins = [[(x + k, y) for x, y in BIN] for k in (0, 400)]
+    with pytest.raises(Unclear, match="choose one by --line or --layer$"):
+        read_silo(drawn(*bins))
+
+
 def test_a_round_plan_view_is_passed_over_and_a_square_one_asked_about(drawn):
     drawing = read_drawing(drawn(BIN, draw=lambda space: space.add_circle((500, 250), 180)))
     is_the_bin(drawing.silo)
