@@ -213,7 +213,7 @@ class Energy(_Window):
 
     def __init__(self, simulation: Simulation):
         super().__init__(simulation)
-        self.rows = deque(maxlen=self.rows.maxlen + 1)
+        self.rows = deque(maxlen=simulation.scene.output.records_per_period + 1)
         weight = simulation.model.mass * simulation.model.gravity
         self.error = REST * weight * simulation.scene.silo.height_m  # that round-off may make [J/m]
 
