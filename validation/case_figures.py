@@ -135,7 +135,7 @@ def case_void_ratio_figure(runs):
                     missing = f"u = {1e3 * target:g} mm\nnot reached"
                     panel.text(0.5, 0.5, missing, ha="center", transform=panel.transAxes)
                     continue
-                draw_field(panel, field, norm, limits, run.scene.silo.solids())
+                draw_field(panel, field, norm, limits, run.scene.silo)
                 panel.set_title(moment(row, run.flow.empty))
             line[0].set_ylabel(f"{run.label}\nheight (mm)")
         for panel in panels[-1]:

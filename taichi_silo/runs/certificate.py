@@ -61,11 +61,13 @@ def _steady_measures(flow: pd.DataFrame, simulation: Simulation) -> dict:
     control = _rolling(steady.noise_control_force_N_per_m, steady.interval_s, period).abs() / weight
     rigid = 0.5 * simulation.model.mass * simulation.scene.flow.speed_m_per_s**2
     energy = steady.kinetic_energy_J_per_m / rigid
-    moving = {}
+    moving: dict[str, float | list[float]] = {}
     if simulation.scene.silo.floor_is_outlet:  # else the sand does not move as one body
         moving["kinetic_energy_over_rigid_motion"] = [float(energy.min()), float(energy.max())]
+    if steady.normal_N_per_m.mean() > 0.0:  # else inclined walls lead up to the surface
+        span = MEAN_SPAN_PERIODS * period
+        moving["noise_of_normal_force"] = noise(steady.normal_N_per_m, steady.interval_s, span)
     return moving | {
-        "noise_of_normal_force": noise(steady.normal_N_per_m, steady.interval_s, MEAN_SPAN_PERIODS * period),
         "noise_control_force_over_weight_99th_percentile": float(control.quantile(0.99)),
         "largest_noise_control_force_over_weight": float(control.max()),
     }

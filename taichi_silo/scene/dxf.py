@@ -10,6 +10,8 @@ from taichi_silo.errors import BadInput
 from taichi_silo.scene.drawing import choice, dxf_file, entities, grid, joining, units, words
 from taichi_silo.scene.silo import MOST_INSERTS, Insert, Silo
 
+LARGER = 1.2  # over the silo of lines that meet closely, from which on one with wider gaps is meant
+
 
 @dataclass(frozen=True)
 class Drawn:
@@ -70,7 +72,8 @@ def read_drawing(
     unit : mm, cm, m, in, ft, ...; that of the drawing if not given.
     layers : whose lines count, hidden or not; all that show if none are given.
     line : number of the closed line that is the inside, by size from 1; the one that is plain if not given.
-    gap_m : ends at most so far apart are joined [m]; 1/500 of the drawing's larger side if not given.
+    gap_m : ends at most so far apart are joined [m]; 1/500 of the drawing's larger side if not given, or three times
+        as much where that alone makes a silo.
 
     """
     layers = tuple(layers)
@@ -131,18 +134,34 @@ def _closed_lines(
 ) -> tuple[list[joining.ClosedLine], int]:
     """Closed lines in the order of their numbers: of lines that meet at their ends, else of lines that cross.
 
-    Behind them the number of lines that belong to none.
-
-    Raises BadInput if there is none.
+    Behind them the number of lines that belong to none. Where ends that meet within a gap make no silo, a wider one is
+    tried, unless it is given. Raises BadInput if there is none.
     """
     joined = joining.joined(pieces, gap_m)
-    lines = choice.numbered(joined.closed, level_m)
-    silos = [one for one in lines if choice.possible(one)]
-    if all(one.bridged for one in silos):  # a drawn lid goes before one that is put in
-        crossing = choice.numbered(joining.crossing(pieces, gap_m), level_m)
-        large = max((one.shape.area for one in crossing if choice.possible(one)), default=0.0)
-        if large > 0.5 * max((one.shape.area for one in silos), default=0.0):
-            return crossing, 0
+    lines, drawn = _numbered(joined, pieces, gap_m, level_m)
+    if not drawn and gap_m is None:
+        again = joining.joined(pieces, joining.WIDE * joined.extent_m)
+        wider = choice.numbered(again.closed, level_m)
+        if _largest(wider) > LARGER * _largest(lines):
+            return wider, len(again.unused)
     if not lines:
         raise BadInput(f"{path} holds no closed line: {words.of_open(joined)}")
-    return lines, len(joined.unused)
+    return lines, 0 if drawn == "crossing" else len(joined.unused)
+
+
+def _numbered(
+    joined: joining.Joined, pieces: list[joining.Piece], gap_m: float | None, level_m: float
+) -> tuple[list[joining.ClosedLine], str]:
+    """Closed lines in the order of their numbers, and how a silo among them was drawn: "closed", "crossing", or not."""
+    lines = choice.numbered(joined.closed, level_m)
+    if any(choice.possible(one) and not one.bridged for one in lines):
+        return lines, "closed"
+    crossing = choice.numbered(joining.crossing(pieces, gap_m), level_m)  # a drawn lid goes before one that is put in
+    if _largest(crossing) > 0.5 * _largest(lines):
+        return crossing, "crossing"
+    return lines, ""
+
+
+def _largest(lines: list[joining.ClosedLine]) -> float:
+    """Area of the largest line that can be a silo [m2]; 0 without."""
+    return max((one.shape.area for one in lines if choice.possible(one)), default=0.0)

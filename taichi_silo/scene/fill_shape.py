@@ -134,6 +134,12 @@ def _check_surface(silo: "Silo", surface_m: polygons.Corners) -> None:
     if abs(y.max() - silo.height_m) > polygons.SAME:
         raise ValueError(f"height is {silo.height_m:g} m; the surface's highest corner is at {y.max():g} m")
     for number, insert in enumerate(silo.inserts, 1):
-        outline = insert.outline(silo.width_m)
-        if not region(silo).contains_properly(shapely.Polygon(outline)):
+        if _above(silo, surface_m).intersects(shapely.Polygon(insert.outline(silo.width_m))):
             raise ValueError(f"insert {number}, the {insert.kind}, stands out of the sand; it must be covered by it")
+
+
+def _above(silo: "Silo", surface_m: polygons.Corners) -> shapely.Polygon:
+    """What is above the surface, up to twice the height, and beyond the walls."""
+    wide, high = silo.width_m, silo.height_m
+    ends = (-wide, surface_m[0][1]), (2.0 * wide, surface_m[-1][1])
+    return shapely.Polygon([ends[0], *surface_m, ends[1], (2.0 * wide, 2.0 * high), (-wide, 2.0 * high)])

@@ -29,7 +29,7 @@ class Record:
     kinetic_energy_J_per_m: float
     kinetic_gain_J_per_m: float  # in the interval
     work_J_per_m: float  # of weight and moving walls, in the interval
-    stored_J_per_m: float  # in the sand's stress, as the present stiffness has it
+    stored_J_per_m: float  # in the sand's stress, as the present stiffness has it, and in inclined walls
     time_step_s: float
     stable_step_s: float
     void_ratio_low: float

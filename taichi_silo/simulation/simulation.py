@@ -163,7 +163,7 @@ class Simulation:
             kinetic_gain_J_per_m=factor * (after.kinetic_energy - before.kinetic_energy),
             work_J_per_m=model.wall_forces.push(impulse, model.gate_shares(interval.gates)) / duration * travel
             - mean_gravity * lift,
-            stored_J_per_m=factor * after.stored,
+            stored_J_per_m=factor * (after.stored + solver.surfaces.stored_J(clock.step)),
             time_step_s=clock.step,
             stable_step_s=after.stable_step,
             void_ratio_low=after.void_ratio_low,

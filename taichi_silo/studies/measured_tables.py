@@ -24,8 +24,8 @@ THOUSANDS = re.compile(r"^[-+]?[1-9]\d{0,2}(,\d{3})+$")
 Units = Mapping[str, float]
 LENGTH: Units = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 STRESS: Units = {
-    "Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "psi": 6894.757, "psf": 47.88026, "bar": 1e5, "N/m2": 1.0, "N/m²": 1.0,
-    "kN/m2": 1e3, "kN/m²": 1e3, "MN/m2": 1e6, "MN/m²": 1e6, "N/mm2": 1e6, "N/mm²": 1e6,
+    "Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "psi": 6894.757, "psf": 47.88026, "bar": 1e5, "mbar": 100.0, "N/m2": 1.0,
+    "N/m²": 1.0, "kN/m2": 1e3, "kN/m²": 1e3, "MN/m2": 1e6, "MN/m²": 1e6, "N/mm2": 1e6, "N/mm²": 1e6,
 }  # fmt: skip
 
 
@@ -103,6 +103,7 @@ def read_table(file: Path, units: Mapping[str, Units] | None = None, needed: str
         heads, *rows = [[cell.strip() for cell in row] for row in reader]
     except csv.Error as error:
         raise BadInput(f"{file} cannot be read as a table: {error}") from error
+    heads = [" ".join(head.split()) for head in heads]  # spaces of all kinds are one
     while heads and not heads[-1]:  # what a spreadsheet leaves behind the last column
         heads.pop()
     if len(rows) != len(lines) - 1:

@@ -134,3 +134,25 @@ def test_a_liquid_presses_on_an_inclined_wall_as_on_a_straight_one(angle):
 
 def test_its_error_falls_with_the_cells():
     assert abs(trough(15.0, 0.05)[0] - 1.0) > 0.015  # 2.3 %; 1.2 % on half the cells
+
+
+def test_sand_that_lands_on_a_wall_gets_back_no_more_than_the_wall_has_stored():
+    """A layer of a point thrown at an incline: where it turns, nearly all of its energy is in the wall."""
+    down, up = np.array([1.0, -1.0]) / math.sqrt(2.0), np.array([1.0, 1.0]) / math.sqrt(2.0)
+    particles, grid = block(width=0.6, height=0.05, cell=0.05, box=(3.0, 3.0))
+    place, base = particles.arrays()["position"], np.array([0.6, 2.0])
+    speed, step = np.tile(-0.1 * up, (len(place), 1)), 1e-4
+    change(particles, position=base + place[:, :1] * down + place[:, 1:] * up, velocity=speed)
+    incline = Surface("incline", (tuple(base - 0.5 * down), tuple(base + 2.0 * down)), Coulomb(0.0))
+    body = solver(particles, grid, UniformGimp(0.5), Elastic(1.0, 0.0), surfaces=(incline,))
+    energy = []
+    for _ in range(20):
+        body.advance(1, step)
+        moving = 0.5 * float(particles.arrays()["mass"] @ (particles.arrays()["velocity"] ** 2).sum(axis=1))
+        energy.append((moving, body.surfaces.stored_J(step)))
+    moving, stored = np.array(energy).T / (0.5 * particles.arrays()["mass"].sum() * 0.01)
+    turn = int(moving.argmin())
+    assert moving[turn] < 0.01
+    assert 0.85 < stored[turn] < 1.0
+    assert stored[0] < 0.1 and stored[-1] == 0.0
+    assert 0.5 < moving[-1] <= stored[turn]

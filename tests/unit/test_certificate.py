@@ -55,6 +55,12 @@ def test_noise_is_the_rms_of_an_oscillation_and_no_drift():
     assert noise(drifting.normal_N_per_m, drifting.interval_s, 3 * PERIOD) < 1e-4
 
 
+def test_without_vertical_walls_there_is_no_normal_force_whose_noise_could_be_told():
+    found = judge(history().assign(normal_N_per_m=0.0), state(1.0))
+    assert "noise_of_normal_force" not in found
+    assert found["largest_noise_control_force_over_weight"] > 0.0
+
+
 def test_ratcheting_is_densification_that_shear_does_not_explain():
     found = judge(history(), state(1.0, settle=0.03, path=0.1))
     assert found["unsheared_share"] == 1.0

@@ -17,6 +17,7 @@ from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.runs.theories import janssen_of
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
+from taichi_silo.scene.silo import Silo
 from taichi_silo.show.figures.collapse import run_collapse_figure
 from taichi_silo.utils.schema import one_sentence
 
@@ -102,6 +103,27 @@ def test_a_level_surface_is_no_surface_at_all():
     for one, other in zip(level.silo.lattice(0.005), Scene().silo.lattice(0.005), strict=True):
         assert (one == other).all()
     assert level.weight_N_per_m == pytest.approx(Scene().weight_N_per_m, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("corners", "covered"),
+    [
+        ([[0.16, 0.05], [0.2, 0.05], [0.2, 0.1]], True),  # a ledge on the right wall
+        ([[0.0, 0.08], [0.03, 0.08], [0.0, 0.12]], True),  # one on the left wall
+        ([[0.08, 0.0], [0.12, 0.0], [0.1, 0.06]], True),  # a block on the floor
+        ([[0.16, 0.1], [0.2, 0.1], [0.2, 0.17]], False),  # a ledge that ends above the surface at its wall
+        ([[0.13, 0.1], [0.17, 0.1], [0.17, 0.18]], False),  # in the sand with its foot only
+    ],
+)
+def test_a_body_on_a_wall_is_in_the_sand_if_the_surface_is_above_it(corners, covered):
+    surface = [[0.0, 0.14], [0.08, 0.2], [0.2, 0.16]]
+    outlet = {"width_m": 0.03, "position": 0.055}
+    silo = {"surface_m": surface, "outlet": outlet, "inserts": [{"kind": "polygon", "corners_m": corners}]}
+    if covered:
+        assert Silo.model_validate(silo).inserts
+    else:
+        with pytest.raises(ValidationError, match="stands out of the sand"):
+            Silo.model_validate(silo)
 
 
 def test_a_column_holds_sand_between_its_sides_only():

@@ -177,6 +177,9 @@ AS_THEY_COME = {
     "powers of ten": ("height_mm;normal_stress_Pa\n50;8,0E+02\n100;6,0E+02\n", "utf-8", [800, 600]),
     "a row of units": ("height,normal_stress\nmm,kPa\n50,0.8\n100,0.6\n", "utf-8", [800, 600]),
     "brackets": ("height [mm];normal stress (kPa)\n50;0,8\n100;0,6\n", "utf-8", [800, 600]),
+    "spaces that do not break": ("height\u00a0(mm);normal\u00a0stress\u202f(Pa)\n50;8\u00a000\n100;600\n", "utf-8",
+                                 [800, 600]),
+    "millibars": ("height_mm,normal_stress_mbar\n50,8\n100,6\n", "utf-8", [800, 600]),
     "UTF-16": ("height_mm\tnormal_stress_kPa\r\n50\t0,8\r\n100\t0,6\r\n", "utf-16", [800, 600]),
 }  # fmt: skip
 

@@ -266,6 +266,32 @@ def test_small_gaps_are_closed_with_a_word_and_large_ones_named(drawn):
         read_silo(wide, gap_m=-1)
 
 
+def cut_back(space, corners, gap, close=True):
+    """Each side a LINE that ends so far before its corners that the ends at a corner are `gap` apart, or cross it."""
+    turns = [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
+    count = len(corners) if close else len(corners) - 1
+    for k in range(count):
+        (x, y), (u, v) = corners[k], corners[(k + 1) % len(corners)]
+        before, after = (abs(gap / 2 / math.cos(0.5 * (turns[m] - turns[m - 1]))) for m in (k, (k + 1) % len(corners)))
+        across, up = math.cos(turns[k]), math.sin(turns[k])
+        space.add_line((x + before * across, y + before * up), (u - after * across, v - after * up))
+
+
+@pytest.mark.parametrize("gap", [1.0, 2.5])  # 0.2 and 0.5 % of the height of 500
+def test_corners_that_are_left_open_by_half_a_per_cent_are_closed_with_a_word(drawn, gap):
+    drawing = read_drawing(drawn(draw=lambda space: cut_back(space, BIN, gap)))
+    is_the_bin(drawing.silo, rel=0.03)
+    assert drawing.silo.floor_m[1] - drawing.silo.floor_m[0] == pytest.approx(0.08, abs=2e-3 * gap)
+    assert "Gaps of up to" in said(drawing)
+
+
+def test_an_open_top_does_not_hide_that_corners_are_open(drawn):
+    walls = [(200, 500), (200, 200), (140, 0), (60, 0), (0, 200), (0, 500)][::-1]
+    drawing = read_drawing(drawn(draw=lambda space: cut_back(space, walls, 2.4, close=False)))
+    assert drawing.silo.area_m2 == pytest.approx(AREA, rel=0.03)
+    assert "Its open top was closed" in said(drawing)
+
+
 def test_short_lines_of_a_curve_stay_a_curve(drawn):
     turn = np.linspace(0.0, np.pi, 400)
     arc = [(100 - 100 * math.cos(t), 200 - 80 * math.sin(t)) for t in turn]
@@ -409,6 +435,15 @@ def test_two_bins_are_asked_about(drawn):
     assert read_silo(file, line=2).height_m == pytest.approx(0.4)
     with pytest.raises(BadInput, match="line is 3; the drawing has 2"):
         read_silo(file, line=3)
+
+
+def test_two_walls_of_steel_in_section_are_no_two_bins(drawn):
+    wall = [(0, 500), (0, 200), (60, 0), (48, 0), (-12, 197), (-12, 500)]
+    with pytest.raises(Unclear, match=r"could each be the silo; .* as one closed line if they are its two walls"):
+        read_silo(drawn(wall, [(200 - x, y) for x, y in wall]))
+    bins = [[(x + k, y) for x, y in BIN] for k in (0, 400)]
+    with pytest.raises(Unclear, match="choose one by --line or --layer$"):
+        read_silo(drawn(*bins))
 
 
 def test_a_round_plan_view_is_passed_over_and_a_square_one_asked_about(drawn):

@@ -5,10 +5,12 @@ import pytest
 
 from taichi_silo.mpm.language import ti
 from taichi_silo.runs.point_fields import Scale
+from taichi_silo.scene.scene import Scene
 from taichi_silo.show.film.canvas import Canvas
 from taichi_silo.show.film.curves import Course
 from taichi_silo.show.film.encoder import encode
 from taichi_silo.show.film.layout import SIZE, View, layout
+from taichi_silo.show.film.lettering import INK
 from taichi_silo.show.film.moments import Moment
 from taichi_silo.show.film.picture import Picture, course_of
 from taichi_silo.show.film.point_raster import BACKGROUND, COLOURS, SandRaster
@@ -117,14 +119,54 @@ def test_film_is_h264_of_the_right_size_and_shows_what_was_drawn(tmp_path):
     assert np.abs(centre - colour).max() < 12
 
 
+OF_THREE = {
+    "width_m": 0.4, "height_m": 0.2,
+    "outlet": [{"width_m": 0.1, "position": 0.1}, {"width_m": 0.04, "position": 0.3},
+               {"width_m": 0.06, "position": 0.1, "wall": "right"}],
+}  # fmt: skip
+
+
+def drawn_of(silo, flow, position):
+    """Where the frame of a film shows the ink of walls and floor, as a function of a place [m]."""
+    scene = Scene.model_validate({"silo": silo, "flow": flow, "grid": {"cell_size_m": 0.01}})
+    picture = Picture(scene, VOID_RATIOS, course_of(scene))
+    panel, per_m = picture.canvas.panel, picture.canvas.layout.pixels_per_metre
+    frame = picture.frame(position, np.full(len(position), 0.7), Moment(0.1, "flow", 0.0))
+
+    def is_ink(x, y):
+        row, column = panel.top + (picture.canvas.view.top - y) * per_m, panel.left + x * per_m
+        return bool((frame[round(row), round(column)] == INK).all())
+
+    return is_ink
+
+
+def test_a_column_stands_on_a_floor_from_wall_to_wall():
+    column = {"width_m": 0.4, "height_m": 0.1, "column_m": [0.1, 0.2]}
+    is_ink = drawn_of(column, {"outflow": "collapse"}, lattice(20, 20) + (0.1, 0.0))
+    assert all(is_ink(x, -0.002) for x in np.linspace(0.005, 0.395, 40))
+    assert not any(is_ink(x, 0.002) for x in np.linspace(0.005, 0.395, 40))
+
+
+def test_floor_and_walls_are_open_at_their_outlets_only():
+    is_ink = drawn_of(OF_THREE, {}, lattice(80, 40))
+    floor = {x: is_ink(x, -0.002) for x in (0.03, 0.08, 0.12, 0.17, 0.27, 0.29, 0.31, 0.33)}
+    assert floor == {0.03: True, 0.08: False, 0.12: False, 0.17: True, 0.27: True, 0.29: False, 0.31: False, 0.33: True}
+    right = {y: is_ink(0.4025, y) for y in (0.02, 0.065, 0.08, 0.12, 0.135, 0.19)}
+    assert right == {0.02: True, 0.065: True, 0.08: False, 0.12: False, 0.135: True, 0.19: True}
+    assert all(is_ink(-0.0025, y) for y in (0.02, 0.1, 0.19))
+
+
 def test_film_without_frames_leaves_nothing(tmp_path):
     assert encode(tmp_path / "empty.mp4", []) == 0
     assert not list(tmp_path.iterdir())
 
 
+WALL = [(-np.inf, np.inf)]
+
+
 def test_curves_start_with_the_flow_and_do_not_run_back():
     view = View(0.0, -DISPLACEMENT - 0.01, WIDTH, 1.015 * HEIGHT)
-    canvas = Canvas(layout(SIZE, view), view, (True, True), WEIGHT, VOID_RATIOS, "", Course(DISPLACEMENT))
+    canvas = Canvas(layout(SIZE, view), view, (WALL, WALL), WEIGHT, VOID_RATIOS, "", Course(DISPLACEMENT))
     bare = canvas.background.copy()
     for force in (100.0, 500.0):
         canvas.add_forces(0.0, np.full(3, force))

@@ -17,7 +17,7 @@ from taichi_silo.scene.silo import Hopper, Silo
 from taichi_silo.show.figures import plot_run
 from taichi_silo.show.figures.forces import run_forces_figure
 from taichi_silo.show.figures.style import legend_below, new_figure, put_title
-from taichi_silo.show.figures.void_ratio import chosen_snapshots
+from taichi_silo.show.figures.void_ratio import around, chosen_snapshots, color_range, draw_field, limits_of
 from taichi_silo.show.theory import janssen
 from tests import made_up
 from validation.case_figures import plot_cases
@@ -59,6 +59,28 @@ def assert_drawn(paths, names):
         image = np.asarray(Image.open(path).convert("RGB"))
         assert min(image.shape[:2]) > 400
         assert np.mean(np.any(image < 200, axis=2)) > 0.01  # something is there beside the paper
+
+
+@pytest.mark.parametrize("reach", [0.15, 0.43], ids=["a column", "sand in a side outlet"])
+def test_panels_of_void_ratio_reach_from_wall_to_wall_and_show_what_is_closed(reach):
+    """Sand that has not run to the walls, or passes one, does not move the walls of the picture."""
+    if reach < 0.4:
+        silo = Silo(width_m=0.4, height_m=0.1, column_m=(0.0, 0.1))
+    else:
+        silo = Silo.model_validate({"width_m": 0.4, "height_m": 0.1,
+                                    "outlet": {"width_m": 0.04, "wall": "right", "position": 0.05}})  # fmt: skip
+    places = np.array([[0.005, 0.005], [reach - 0.005, 0.095]])
+    field = places, np.array([0.6, 0.7]), np.full(2, 0.01)
+    panel = new_figure(4.0, 4.0).subplots()
+    draw_field(panel, field, color_range([field]), around(silo, limits_of([field])), silo)
+    assert panel.get_xlim() == pytest.approx((0.0, max(400.0, 1e3 * reach)))
+    assert panel.get_xticks().tolist() == [0.0, 200.0, 400.0]
+    lines = [np.array(line.get_xydata()) for line in panel.get_lines()]
+    floor = [line[:, 0].tolist() for line in lines if (line[:, 1] == 0.0).all()]
+    assert floor == [[0.0, 400.0]]
+    right = np.sort([line[:, 1] for line in lines if (line[:, 0] == 400.0).all()], axis=0)
+    top = panel.get_ylim()[1]
+    assert right == pytest.approx(np.array([[0.0, top]] if reach < 0.4 else [[0.0, 30.0], [70.0, top]]))
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,10 @@ def drawing(
     ] = None,
     gap: Annotated[
         float | None,
-        typer.Option(help="ends at most so far apart are joined [m]; 1/500 of the drawing's larger side if not given"),
+        typer.Option(
+            help="ends at most so far apart are joined [m]; 1/500 of the drawing's larger side if not given, or three "
+            "times as much where that alone makes a silo"
+        ),
     ] = None,
     show: Annotated[
         Path | None, typer.Option(help="picture of the closed lines (PNG); beside the scene file if not given")

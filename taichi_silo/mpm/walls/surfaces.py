@@ -84,6 +84,10 @@ class NoSurfaces:
     def take_over(self, other: object) -> None:
         """Nothing to take over."""
 
+    def stored_J(self, step_s: float) -> float:
+        """No energy."""
+        return 0.0
+
 
 @ti.data_oriented
 class Surfaces:
@@ -174,6 +178,15 @@ class Surfaces:
         """Press as others, of the same walls, did."""
         put(self.traction, values(other.traction))
         put(self.seen, values(other.seen))
+
+    def stored_J(self, step_s: float) -> float:
+        """Energy of these springs, (p^2 + tau^2) / 2 k over their area, for steps of so long [J/m, or per radian]."""
+        p, tau, _, per_m = values(self.traction).T
+        area, per_depth = values(self.fixed)[:, (2, 4)].T
+        touched = per_m > 0.0
+        density = per_depth[touched] / per_m[touched] / self.grid.cell_size**2
+        stiffness = STIFFNESS * density * self.grid.cell_size / step_s**2
+        return float((area[touched] * (p[touched] ** 2 + tau[touched] ** 2) / (2.0 * stiffness)).sum())
 
     def area_by_row(self, wall: int) -> np.ndarray:
         """Area of a wall that the nodes of each row stand for (rows,) [m2/m, or per radian]."""

@@ -20,7 +20,6 @@ MOST_SEPARATED = 0.5  # of the points: more, and the fill is falling apart
 BALANCE = 1e-6  # of the weight of the filled silo; round-off leaves 1e-15
 STORED = 2.0  # how often over the sand may give back what the stiffness at its stress says that it has stored
 REST = 1e-6  # of the weight times the height: error of the sums of energy that is allowed
-FEWEST = 25  # points: the sums of fewer, the last of a silo that empties, miss what they give to walls and get back
 SWIFT = 5.0  # kinetic energy of controlled outflow over that of the whole sand at the speed of the outlet
 
 
@@ -208,12 +207,13 @@ class _Window(Check):
 class Energy(_Window):
     """Kinetic energy against its sources.
 
-    Over any time sand cannot gain more of it than gravity and moving walls have done in work, and than it had stored
-    in its stress at the beginning.
+    Over any time sand cannot gain more of it than gravity and moving walls have done in work, and than was stored at
+    the beginning in its stress and in inclined walls, which are springs.
     """
 
     def __init__(self, simulation: Simulation):
         super().__init__(simulation)
+        self.rows = deque(maxlen=simulation.scene.output.records_per_period + 1)
         weight = simulation.model.mass * simulation.model.gravity
         self.error = REST * weight * simulation.scene.silo.height_m  # that round-off may make [J/m]
 
@@ -221,10 +221,9 @@ class Energy(_Window):
         """Compare over the last period."""
         if not self.full(record.kinetic_gain_J_per_m, record.work_J_per_m, record.stored_J_per_m):
             return None
-        if self.simulation.model.particles.number < FEWEST <= self.simulation.model.particles.count:
-            return None
-        gain, stored = self.total(0), self.rows[0][2]
-        limit = max(self.total(1), 0.0) + STORED * stored + self.error
+        begun = self.rows[0]  # ends where the period begins
+        gain, stored = self.total(0) - begun[0], begun[2]
+        limit = max(self.total(1) - begun[1], 0.0) + STORED * stored + self.error
         if not gain > limit:
             return None
         alarm = Alarm(

@@ -168,7 +168,8 @@ def _plain(lines: list[ClosedLine], level_m: float, layers_given: bool) -> int:
     weighty = [line for number, (line, core) in enumerate(zip(silos, cores, strict=True))
                if not any(larger.shape.covers(core) for larger in silos[:number])]  # fmt: skip
     if len(weighty) > 1:
-        raise Unclear(f"{_list(lines, weighty)} could each be the silo; choose one by --line or --layer", lines)
+        walls = ", or draw the inside as one closed line if they are its two walls" if _two_walls(*weighty[:2]) else ""
+        raise Unclear(f"{_list(lines, weighty)} could each be the silo; choose one by --line or --layer{walls}", lines)
     outermost = weighty[0]
     shape = outermost.shape
     for line in lines:
@@ -203,6 +204,14 @@ def _silo_in_border(line: ClosedLine, border: ClosedLine, layers_given: bool) ->
     left, right = polygons.sides(tuple((x, y) for x, y in outline_of(line).tolist()))
     widens = right[-1, 0] - left[-1, 0] > 1.01 * (right[0, 0] - left[0, 0])
     return other_layer or bool(widens)
+
+
+def _two_walls(one: ClosedLine, other: ClosedLine) -> bool:
+    """Whether two lines are each other's mirror image, and none its own: a wall of steel is, a silo seldom."""
+    left, right = (line.corners - line.corners.min(axis=0) for line in (one, other))
+    image = shapely.Polygon(left * (-1.0, 1.0) + (left[:, 0].max(), 0.0))
+    alike = [image.symmetric_difference(shapely.Polygon(line)).area < 0.01 * image.area for line in (right, left)]
+    return alike == [True, False]
 
 
 def _rectangle(line: ClosedLine) -> bool:

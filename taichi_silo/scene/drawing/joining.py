@@ -11,7 +11,8 @@ from scipy.sparse.csgraph import connected_components
 
 from taichi_silo.scene import polygons
 
-GAP = 0.002  # of the larger side of a drawing: ends that are closer belong together
+GAP = 0.002  # of the larger side of a drawing: ends that are closer belong together,
+WIDE = 0.006  # and such ends too, where that alone makes a silo
 TALL = 0.25  # of the highest line: lower ones are not taken for walls
 EXACT = 1e-6  # of the same: places that are closer are one
 

@@ -9,12 +9,13 @@ from matplotlib.patches import Polygon
 
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.snapshot import figured, shown_displacements
+from taichi_silo.scene.closed_parts import closed_parts
 from taichi_silo.show.figures.style import new_figure, put_title
 from taichi_silo.show.report.words import length_unit, mm
 from taichi_silo.show.titles import title
 
 OVERLAP = 1.15  # squares are drawn larger by this factor, so that stretched sand shows no gaps
-COLORS = "viridis"
+COLORS, STEEL = "viridis", "#404040"
 WIDEST_IN = 40.0  # of a figure: 6,000 pixels
 TWO_TICKS_IN, THREE_TICKS_IN = 0.35, 0.9  # length of an axis from which on so many labels have room
 PANEL_IN = 13.0  # width of the silo where the panels are one below the other
@@ -66,7 +67,8 @@ def run_void_ratio_figure(run: Result) -> Figure | None:
     if not any(len(void_ratio) for _, void_ratio, _ in fields):
         return None
     unit, per_m = length_unit(max(run.scene.silo.height_m, run.scene.silo.width_m))
-    norm, limits = color_range(fields), limits_of(fields, per_m)
+    silo = run.scene.silo
+    norm, limits = color_range(fields), around(silo, limits_of(fields, per_m), per_m)
     height = 4.8
     few = len(rows) < 3
     width = 1.3 + len(rows) * (0.42 + max(height * aspect(limits), 1.2))
@@ -79,14 +81,14 @@ def run_void_ratio_figure(run: Result) -> Figure | None:
         figure = new_figure(max(width, 4.6), height + (1.9 if few else 1.35))
         panels = figure.subplots(1, len(rows), squeeze=False, sharey=True)[0]
     for panel, row, field in zip(panels, rows, fields, strict=True):
-        draw_field(panel, field, norm, limits, run.scene.silo.solids(), per_m)
+        draw_field(panel, field, norm, limits, silo, per_m)
         panel.set(xlabel=f"x ({unit})", title=moment(row, run.flow.empty))
         if stacked:
             top = round(per_m * run.scene.silo.height_m, 2)
             panel.set_yticks([0.0, top][: 2 if deep > TWO_TICKS_IN else 1])
             panel.label_outer()
         elif height * aspect(limits) < THREE_TICKS_IN:
-            low, *_, high = _ticks(limits[0])
+            low, *_, high = _ticks(silo, limits[0], per_m)
             panel.set_xticks([low, high] if height * aspect(limits) > TWO_TICKS_IN else [high])
     if stacked:
         figure.supylabel(f"height ({unit})", fontsize=12)
@@ -98,23 +100,43 @@ def run_void_ratio_figure(run: Result) -> Figure | None:
     return figure
 
 
-def draw_field(panel, field, norm, limits, solids, per_m: float = 1e3):
-    """Draw one square for each point, and what stands in the silo."""
+def around(silo, limits, per_m: float = 1e3):
+    """Such limits, widened to both walls where these are drawn."""
+    (left, right), along = limits
+    return limits if silo.floor_is_outlet else ((min(left, 0.0), max(right, per_m * silo.width_m)), along)
+
+
+def draw_field(panel, field, norm, limits, silo, per_m: float = 1e3):
+    """Draw one square for each point, and what stands in the silo, the closed parts of its floor and walls."""
     position, void_ratio, side = field
     squares = per_m * (position[:, None, :] + OVERLAP * side[:, None, None] * CORNERS)
     squares[..., 0] = np.clip(squares[..., 0], *limits[0])  # the overlap must not reach over the walls
     cells = PolyCollection(squares, array=void_ratio, cmap=COLORS, norm=norm, antialiased=False, linewidth=0)
     panel.add_collection(cells)
-    for outline in solids:
-        panel.add_patch(Polygon(per_m * outline, facecolor="#404040", linewidth=0, zorder=2))
-    panel.set(xlim=limits[0], ylim=limits[1], aspect="equal", xticks=_ticks(limits[0]))
+    for outline in silo.solids():
+        panel.add_patch(Polygon(per_m * outline, facecolor=STEEL, linewidth=0, zorder=2))
+    panel.set(xlim=limits[0], ylim=limits[1], aspect="equal", xticks=_ticks(silo, limits[0], per_m))
     panel.grid(False)
-    panel.spines["right"].set_visible(True)
+    panel.spines["right"].set_visible(silo.floor_is_outlet)
     panel.spines["bottom"].set_visible(False)
+    if not silo.floor_is_outlet:
+        _draw_walls(panel, limits, silo, per_m)
 
 
-def _ticks(limits):
+def _draw_walls(panel, limits, silo, per_m: float) -> None:
+    """Draw the closed parts of floor and side walls as lines."""
+    look = {"color": STEEL, "linewidth": 2.0, "zorder": 3, "clip_on": False, "solid_capstyle": "butt"}
+    for part in closed_parts(silo, "floor"):
+        panel.plot(per_m * np.array(part), (0.0, 0.0), **look)
+    for wall, x, foot in zip(("left", "right"), (0.0, silo.width_m), silo.feet_m, strict=True):
+        for part in closed_parts(silo, wall):
+            panel.plot([per_m * x] * 2, np.clip(per_m * np.array(part), per_m * foot, limits[1][1]), **look)
+    panel.set(xlim=limits[0], ylim=limits[1])
+
+
+def _ticks(silo, limits, per_m: float):
     """Ticks at both walls and half-way, to 10 mm where there is room for it, of narrow ones and in m as they are."""
+    limits = limits if silo.floor_is_outlet else (0.0, per_m * silo.width_m)
     wide = limits[1] - limits[0]
     low, high = np.round(limits, -1 if wide > 50.0 else 0 if wide > 5.0 else 2) + 0.0
     return [low, (low + high) / 2.0, high]

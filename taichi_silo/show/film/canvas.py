@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 from taichi_silo.runs.point_fields import Scale
 from taichi_silo.show.film.curves import FORCES, Course, Curves
 from taichi_silo.show.film.furniture import furniture
-from taichi_silo.show.film.layout import WALL, Layout, View
+from taichi_silo.show.film.layout import WALL, Box, Layout, View
 from taichi_silo.show.film.lettering import GREY, INK, fitting, font, title_lines
 
 HEADROOM = 1.1  # upper end of the axis of forces, times the weight or the largest force
@@ -23,7 +23,7 @@ class Canvas:
     ----------
     layout : of the page.
     view : what is seen of the silo.
-    walls : whether the left and the right side of the view are walls.
+    walls : heights between which the left and the right side of the view are walls.
     weight_N_per_m : of the sand; of the heavier one of two runs beside each other.
     largest_N_per_m : force that the curves reach.
     scale : of the colours.
@@ -34,8 +34,8 @@ class Canvas:
     """
 
     def __init__(
-        self, layout: Layout, view: View, walls: tuple[bool, bool], weight_N_per_m: float, scale: Scale, title: str,
-        course: Course, note: str = "", largest_N_per_m: float = 0.0,
+        self, layout: Layout, view: View, walls: tuple[list[tuple[float, float]], ...], weight_N_per_m: float,
+        scale: Scale, title: str, course: Course, note: str = "", largest_N_per_m: float = 0.0,
     ):  # fmt: skip
         self.layout, self.view, self.walls, self.course = layout, view, walls, course
         self.panel, self.plot = layout.panel, layout.plot
@@ -54,11 +54,19 @@ class Canvas:
         return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
     def _walls(self, page: np.ndarray) -> np.ndarray:
-        panel, wall = self.panel, self.layout.long(WALL)
-        for left, there in zip((panel.left - wall, panel.left + panel.columns), self.walls, strict=True):
-            if there:
-                page[panel.top : panel.top + panel.rows, max(left, 0) : left + wall] = INK
+        for box in self.wall_boxes():
+            page[box.top : box.top + box.rows, max(box.left, 0) : box.left + box.columns] = INK
         return page
+
+    def wall_boxes(self) -> list[Box]:
+        """Where walls stand beside the sand."""
+        panel, wall, found = self.panel, self.layout.long(WALL), []
+        for left, parts in zip((panel.left - wall, panel.left + panel.columns), self.walls, strict=True):
+            for part in parts:
+                low, high = (np.clip((self.view.top - y) * self.layout.pixels_per_metre, 0, panel.rows) for y in part)
+                top, bottom = round(float(high)), round(float(low))
+                found.append(Box(left, panel.top + top, wall, bottom - top))
+        return found
 
     @property
     def letters(self) -> float:

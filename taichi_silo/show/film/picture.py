@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from taichi_silo.runs.point_fields import Scale
+from taichi_silo.scene.closed_parts import closed_parts
 from taichi_silo.scene.scene import Scene
 from taichi_silo.show.film.canvas import Canvas
 from taichi_silo.show.film.curves import Course
@@ -44,7 +45,10 @@ class Picture:
         self.plate_m, self.far_below = plate_m(scene), -10.0 * silo.height_m
         view = view_of(scene, look)
         layout = look.page(view, at_most, size)
-        walls = view.left < 1e-9, view.right > silo.width_m - 1e-9
+        seen = view.left < 1e-9, view.right > silo.width_m - 1e-9
+        walls = tuple(
+            closed_parts(silo, wall) if one else [] for wall, one in zip(("left", "right"), seen, strict=True)
+        )
         words = title(scene) if look.title is None else look.title
         weight = max(weight_N_per_m, scene.weight_N_per_m)
         self.canvas = Canvas(layout, view, walls, weight, scale, words, course, note, largest_N_per_m)
@@ -107,10 +111,9 @@ def course_of(scene: Scene) -> Course:
 
 def floors(silo) -> list[np.ndarray]:
     """Outlines (n, 2) of the floor beside the outlets [m]."""
-    openings = sorted((one.low, one.high) for one in silo.openings if one.in_floor)
-    deep = -0.1 * silo.height_m
-    spans = zip((0.0, *(high for _, high in openings)), (*(low for low, _ in openings), silo.width_m), strict=True)
-    return [np.array([[a, 0.0], [b, 0.0], [b, deep], [a, deep]]) for a, b in spans if b > a]
+    deep, (first, last) = -0.1 * silo.height_m, silo.floor_m
+    parts = [(0.0, first), *closed_parts(silo, "floor"), (last, silo.width_m)]  # beside the floor stands a hopper
+    return [np.array([[a, 0.0], [b, 0.0], [b, deep], [a, deep]]) for a, b in parts if b > a]
 
 
 def title(scene: Scene) -> str:

@@ -8,7 +8,6 @@ from matplotlib.patches import Rectangle
 
 from taichi_silo.show.film.canvas import Canvas
 from taichi_silo.show.film.curves import FORCES, HALF_WIDTH, LIGHT, Curves, apart
-from taichi_silo.show.film.layout import WALL
 from taichi_silo.show.film.lettering import INK
 from taichi_silo.show.film.moments import Moment
 from taichi_silo.show.film.renderer import Renderer
@@ -35,16 +34,10 @@ def write_svg(renderer: Renderer, moment: Moment, file: Path) -> None:
 
 
 def _walls(canvas: Canvas) -> None:
-    panel, size, wall = canvas.panel, canvas.layout.size, canvas.layout.long(WALL)
-    for left, there in zip((panel.left - wall, panel.left + panel.columns), canvas.walls, strict=True):
-        if there:
-            place = left / size[0], 1.0 - (panel.top + panel.rows) / size[1]
-            figure = canvas.furniture.figure
-            figure.add_artist(
-                Rectangle(
-                    place, wall / size[0], panel.rows / size[1], transform=figure.transFigure, color=_shade(INK), lw=0
-                )
-            )
+    figure = canvas.furniture.figure
+    for box in canvas.wall_boxes():
+        left, low, wide, high = box.fractions(canvas.layout.size)
+        figure.add_artist(Rectangle((left, low), wide, high, transform=figure.transFigure, color=_shade(INK), lw=0))
 
 
 def _words(canvas: Canvas, moment: Moment) -> None:

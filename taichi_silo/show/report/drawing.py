@@ -8,6 +8,7 @@ import numpy as np
 
 from taichi_silo.runs.result import Result
 from taichi_silo.scene import fill_shape, polygons
+from taichi_silo.scene.closed_parts import closed_parts
 from taichi_silo.scene.silo import Silo
 from taichi_silo.show.report.words import mm
 
@@ -101,15 +102,11 @@ def drawing(run: Result) -> str:
 def _floor(sheet: Sheet, run: Result) -> None:
     """Floor, gate, and an arrow where the sand leaves."""
     silo = run.scene.silo
-    first, last = silo.floor_m
+    for begin, end in closed_parts(silo, "floor"):
+        sheet.line(sheet.at(begin, 0.0), sheet.at(end, 0.0), "wall")
     if silo.column_m is not None:
-        sheet.line(sheet.at(first, 0.0), sheet.at(last, 0.0), "wall")
         sheet.words(0.5 * sheet.size[0], sheet.size[1] - 10.0, "walls of the column taken away")
         return
-    openings = sorted((one.low, one.high) for one in silo.openings if one.in_floor)
-    for begin, end in zip((first, *(high for _, high in openings)), (*(low for low, _ in openings), last), strict=True):
-        if end > begin:
-            sheet.line(sheet.at(begin, 0.0), sheet.at(end, 0.0), "wall")
     for one in silo.openings:
         edge, other = (sheet.at(*place) for place in one.ends)
         sheet.line(edge, other, "gate")
