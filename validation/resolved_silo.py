@@ -2,7 +2,8 @@
 
 The paper's mass flow, whose bottom sinks by 20 mm, with l_c = 3 d50 = 1.5 mm: dense sand on cells of 2.5, 2 and 1.54
 mm, loose sand on 4, 3.1 and 2.5 mm; beside them the paper's own cells of 5 mm, on which the law is local, and, on the
-finest cells, walls that are left out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s, the mean goes by a grid.
+finest cells, walls that are left out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s,
+the mean goes by a grid.
 
 Leaves the runs (`cells-130/dense_very-rough_bottom`, ...; a film of the dense one on the finest cells),
 `resolved_runs.csv` (a row a run), `resolved_limits.csv` (what the three grids tend to, with error bars),
