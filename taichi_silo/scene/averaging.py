@@ -9,7 +9,7 @@ from taichi_silo.mpm.nonlocal_average import INACTIVE_FROM, WEIGHTS, Weight, sel
 from taichi_silo.scene.sand import Sand
 from taichi_silo.utils.schema import Options
 
-OF_CELL = 0.7  # of a cell, the shortest length between very rough walls: with less N there is up to a quarter too high
+OF_CELL = 0.5  # of a cell, the shortest length between very rough walls: with less N there is up to a quarter too high
 
 
 class Averaging(Options):
@@ -19,8 +19,8 @@ class Averaging(Options):
         None,
         ge=0,
         le=1000,
-        description="characteristic length of the non-local law, 0 for a local law; if absent 3 d50, or 0.7 "
-        "of a cell if that is more and a whole bottom sinks under dense sand between very rough walls",
+        description="characteristic length of the non-local law, 0 for a local law; if absent 3 d50, or half "
+        "a cell if that is more and a whole bottom sinks under dense sand between very rough walls",
     )
     weight: Literal["gaussian", "exponential"] = Field(
         "gaussian", description="weight of neighbours; the paper prints exponential"
@@ -32,7 +32,7 @@ class Averaging(Options):
     )
 
     def length_m(self, sand: Sand, cell_m: float = 0.0) -> float:
-        """Characteristic length l_c [m]: as given, or three mean grain diameters, or 0.7 of a cell if that is more."""
+        """Characteristic length l_c [m]: as given, or three mean grain diameters, or half a cell if that is more."""
         if self.characteristic_length_m is not None:
             return self.characteristic_length_m
         return max(3.0 * sand.d50_m, OF_CELL * cell_m)

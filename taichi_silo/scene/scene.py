@@ -228,7 +228,7 @@ class Scene(Options):
     def characteristic_length_m(self) -> float:
         """Length of the non-local law [m]: as given, or three mean grain diameters, which coarse cells do not resolve.
 
-        Where sand `sticks` it would be too strong in the zones along the walls: 0.7 of a cell is the least there.
+        Where sand `sticks` it would be too strong in the zones along the walls: half a cell is the least there.
         """
         return self.averaging.length_m(self.sand, self.grid.cell_size_m if self.sticks else 0.0)
 

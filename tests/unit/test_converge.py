@@ -59,8 +59,8 @@ def test_sides_that_no_common_cell_divides_are_refused_in_a_sentence():
 
 
 def test_between_very_rough_walls_the_length_is_that_of_the_law_or_part_of_a_cell_and_elsewhere_that_of_the_law():
-    one = ladder(averaging__characteristic_length_m=0.0077)
-    assert [one.length(step) for step in range(3)] == pytest.approx([0.014, 0.00875, 0.0077])
+    one = ladder(averaging__characteristic_length_m=0.0055)
+    assert [one.length(step) for step in range(3)] == pytest.approx([0.01, 0.00625, 0.0055])
     smooth = ladder(walls__kind="smooth", walls__friction_angle_deg=19.0)
     assert [smooth.length(step) for step in range(3)] == pytest.approx([0.0015] * 3)
 

@@ -57,7 +57,7 @@ SMOOTH = Walls(kind="smooth", friction_angle_deg=19.0)
         ("intergranular strain", "off", "", {}),
         ("intergranular strain", "on", "", {"flow": Shaken()}),  # only sand that is turned back gets a memory
         ("non-local average", "off", "", {"walls": SMOOTH}),  # on once points are closer than its length
-        ("non-local average", "on", "3.5 mm", {}),  # 0.7 of a cell between very rough walls
+        ("non-local average", "on", "2.5 mm", {}),  # half a cell between very rough walls
         ("non-local average", "on", "10 mm", {"averaging": Averaging(characteristic_length_m=0.01)}),
         ("wall friction solve", "off", "", {}),  # solved only where sand slips with friction
         ("wall friction solve", "on", "", {"walls": Walls(bottom_friction_angle_deg=20.0)}),

@@ -145,7 +145,7 @@ def test_columns_are_what_was_asked_for_and_what_differs(tmp_path):
     found = made("method.cfl=0.2", files=(tmp_path / "loose.toml", tmp_path / "dense.toml"))
     # dense sand is between very rough walls here, of which no half is computed
     columns = {"method.cfl", "sand.void_ratio", "walls.kind", "walls.friction_angle_deg", "silo.half"}
-    columns.add("averaging.characteristic_length_m")  # 0.7 of a cell between very rough walls
+    columns.add("averaging.characteristic_length_m")  # half a cell between very rough walls
     assert set(differences(found, ["method.cfl"])) == columns
 
 

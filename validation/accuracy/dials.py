@@ -30,7 +30,7 @@ OF_VERY_ROUGH = (LOCAL, LENGTHS, WALL)  # dials that turn nothing between other 
 DIALS: dict[str, list[Settings]] = {
     CELLS: _values(CELL, 0.02, 0.01, 0.005),
     LOCAL: [{CELL: cell, LENGTH: 0.0} for cell in (0.02, 0.01, 0.005)],
-    LENGTHS: _lengths(0.01, 0.5, 1.0, 2.0),
+    LENGTHS: _lengths(0.01, 0.5, 0.7, 1.0, 2.0),
     SLOW: _values(SPEED, *SPEEDS),
     "points a cell": _values("grid.points_per_cell", 1, 4),
     WALL: [{"averaging.wall": wall} | _lengths(0.01, 1.0)[0] for wall in ("ignored", "rigid")],

@@ -1,10 +1,10 @@
 """The runs of a study of convergence: a scene on finer and finer cells, with shorter lengths, at several speeds.
 
 Three numerical parameters bend a result: the size of the cells h; between very rough walls the length l of the
-non-local law, which cannot act far below a cell, so that l = max(l_c, 0.7 h); and the speed v of the bottom, where the
+non-local law, which cannot act far below a cell, so that l = max(l_c, h / 2); and the speed v of the bottom, where the
 scene's own would cost too much. Step k of the ladder has the run
 
-    main k:   h_k, l_k = max(l_c, 0.7 h_k), v        and, from the second on,
+    main k:   h_k, l_k = max(l_c, h_k / 2), v        and, from the second on,
     grid k:   h_k, l_{k-1}, v                        where the length of the step before is another one
 
 so that main k-1 to grid k is the effect of the cells alone, and grid k to main k that of the length alone. The first

@@ -168,7 +168,7 @@ def test_share_of_the_own_weight_on_a_lattice(spacing_mm, weight):
 def test_a_scene_says_when_non_locality_is_inactive_and_then_leaves_it_out():
     smooth = Walls(kind="smooth", friction_angle_deg=19.0)
     coarse, fine = Scene(walls=smooth), Scene(walls=smooth, grid=Mesh(cell_size_m=0.0025))
-    assert kernel_of(Scene())[0].length_m == pytest.approx(0.0035), "0.7 of a cell, between very rough walls"
+    assert kernel_of(Scene())[0].length_m == pytest.approx(0.0025), "half a cell, between very rough walls"
     kernel, sentence = kernel_of(coarse)
     assert kernel is None
     assert sentence.startswith("Non-locality is inactive")
