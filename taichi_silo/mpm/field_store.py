@@ -39,7 +39,6 @@ class Fields:
     def __init__(self, particles: Particles, grid: Grid, shape: Shape, atomic: bool):
         self.particles, self.grid, self.shape, self.atomic = particles, grid, shape, atomic
         self.read, self.write = particles.read, particles.write
-        grid.hold_sums()
 
     def patches(self) -> tuple[int, ...]:
         """Numbers of the patches through which points give."""

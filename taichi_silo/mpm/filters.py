@@ -26,9 +26,8 @@ class Unfiltered:
     """Stresses stay as they are."""
 
     ACTIVE = BETWEEN_LAUNCHES = False
-    ROOM = 0
 
-    def borrow(self, points: ti.Ndarray, sums: ti.Ndarray) -> None:
+    def borrow(self, points: ti.Ndarray, sums: ti.Ndarray, nodal: ti.Ndarray) -> None:
         """Nothing (see `PatchFilter`)."""
 
 

@@ -21,6 +21,8 @@ PASSES = 4
 LEAST_SPREAD = 0.03  # of centroids around a point along an axis [cells], below which they show no slope along it
 STRIPS = 2  # of points, each with sums of its own, so that their order does not depend on the threads
 STRESS = (1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0)  # slots of the residual
+PLACE = (0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)  # and of what else a point has
+NOWHERE = -1e6  # row at which a point stands of which something is not finite; it has no weight
 MIRROR = (1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0, 1.0)  # of the eight slots of a node: x turns round
 
 
@@ -36,12 +38,11 @@ class PatchPasses:
     ==============  ==============  ======================================================================
     array of eight  shape           meaning
     ==============  ==============  ======================================================================
-    points          point * 2       residual of the stress (4); weight (volume, 0 where something is not finite),
-                                    place, vector to it from where the means around it are right [cells]
+    points          point           residual of the stress (4), place, vector to it from where the means around it
+                                    are right [cells]; its weight is its volume
     sums            strip * node    what the points of a strip gave: weight times residual (4); at first also
                                     weight and its moments about the node [cells]
-    means           node            of the residual (4)
-    centres         node            1 / weight, 0 (3), weight, centroid from the node [cells]
+    means           node            of the residual (4), 1 / weight (0 without any), centroid from the node [cells], 0
     ==============  ==============  ======================================================================
 
     """
@@ -54,18 +55,18 @@ class PatchPasses:
         self.lists: Any = CellLists(particles, grid, self.weights) if self.shared else None
         self.points: Any = None
         self.sums: Any = None
-        self.means, self.centres = runtime.array(eight, grid.nodes), runtime.array(eight, grid.nodes)
+        self.means: Any = None
         self.compiled = False
 
     def hold(self) -> None:
-        """Have points and sums, if the step has not lent its own."""
+        """Have the arrays, if the step has not lent its own."""
         if self.points is None:
-            self.points = runtime.array(eight, 2 * self.particles.count)
+            self.points, self.means = (runtime.array(eight, n) for n in (self.particles.count, self.grid.nodes))
             self.sums = runtime.array(eight, self.strips * self.grid.nodes)
 
     def run(self) -> None:
         """Leave in `points` what the passes leave of the stresses that stand there."""
-        arrays = self.points, self.sums, self.means, self.centres
+        arrays = self.points, self.sums, self.means
         if self.shared:
             self.lists.fill(0)
             self._pass_on_tasks(*arrays)
@@ -79,41 +80,41 @@ class PatchPasses:
 
     @ti.kernel
     def _pass(
-        self, points: arrays_of_eight, sums: arrays_of_eight, means: arrays_of_eight, centres: arrays_of_eight
+        self, points: arrays_of_eight, sums: arrays_of_eight, means: arrays_of_eight
     ):  # fmt: skip
         for number in ti.static(range(PASSES + 1)):
             ti.loop_config(block_dim=1)
             for strip in range(self.strips):
                 for p in range(self._first(strip), self._first(strip + 1)):
-                    self._point(number, points, sums, means, centres, strip, p, number > 0, number < PASSES, 0, 0)
+                    self._point(number, points, sums, means, strip, p, number > 0, number < PASSES, 0, 0)
             if ti.static(number < PASSES and self.mirrored):
                 for j in range(self.grid.rows):
                     self._fold(sums, j)
             if ti.static(number < PASSES):
                 for k in range(self.grid.nodes):
-                    self._take_means(number, sums, means, centres, k)
+                    self._take_means(number, sums, means, k)
 
     @ti.kernel
     def _pass_on_tasks(
-        self, points: arrays_of_eight, sums: arrays_of_eight, means: arrays_of_eight, centres: arrays_of_eight
+        self, points: arrays_of_eight, sums: arrays_of_eight, means: arrays_of_eight
     ):  # fmt: skip
         for number in ti.static(range(PASSES + 1)):
             if ti.static(number > 0):
                 for p in range(self.particles.count):
                     if self.particles.is_there(p):
-                        self._point(number, points, sums, means, centres, 0, p, True, False, 0, 0)
+                        self._point(number, points, sums, means, 0, p, True, False, 0, 0)
             if ti.static(number < PASSES):
                 for k in range(self.grid.nodes):
                     i, j = k % self.grid.columns, k // self.grid.columns
-                    for given in ti.static([Given(self, number, points, sums, means, centres, i, j)]):
+                    for given in ti.static([Given(self, number, points, sums, means, i, j)]):
                         self.lists.ask(given, 0, i, j, 0)
                     if ti.static(not self.mirrored):
-                        self._take_means(number, sums, means, centres, k)
+                        self._take_means(number, sums, means, k)
             if ti.static(number < PASSES and self.mirrored):
                 for j in range(self.grid.rows):
                     self._fold(sums, j)
                 for k in range(self.grid.nodes):
-                    self._take_means(number, sums, means, centres, k)
+                    self._take_means(number, sums, means, k)
 
     @ti.func
     def _first(self, strip):
@@ -123,25 +124,27 @@ class PatchPasses:
     @ti.func
     def _point(
         self, number: ti.template(), points: ti.template(), sums: ti.template(), means: ti.template(),
-        centres: ti.template(), strip, p, subtracts: ti.template(), gives: ti.template(), column, row,
+        strip, p, subtracts: ti.template(), gives: ti.template(), column, row,
     ):  # fmt: skip
         """Point p's part of a pass: it subtracts the means from what it has left, and gives that to the nodes.
 
         On tasks it gives only to the node in a column and a row (see `one_node`).
         """
-        known, left = points[2 * p + 1], points[2 * p]
-        i, sx, gx, j, sy, gy = self._patch(known[1], known[2])
-        from_x, from_y = known[1] - (i - MARGIN), known[2] - (j - MARGIN)
+        known = points[p]
+        left, weight = eight(*ti.static(STRESS)) * known, self._weight(p, known[5])
+        i, sx, gx, j, sy, gy = self._patch(known[4], known[5])
+        from_x, from_y = known[4] - (i - MARGIN), known[5] - (j - MARGIN)
         if ti.static(subtracts):
-            tx, ty = known[3], known[4]
+            tx, ty = known[6], known[7]
             if ti.static(number == 1):
-                tx, ty = self._vector_to_point(centres, from_x, from_y, i, sx, gx, j, sy, gy)
-                points[2 * p + 1] = eight(known[0], known[1], known[2], tx, ty, 0.0, 0.0, 0.0)
+                tx, ty = self._vector_to_point(means, from_x, from_y, i, sx, gx, j, sy, gy)
+                known = known + eight(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, tx, ty)
             for b in ti.static(range(3)):
                 for a in ti.static(range(3)):
                     share = sx[a] * sy[b] - tx * gx[a] * sy[b] - ty * sx[a] * gy[b]
                     left = left - eight(share) * means[self.grid.node(i + a, j + b)]
-            points[2 * p] = left
+            left = eight(*ti.static(STRESS)) * left
+            points[p] = left + eight(*ti.static(PLACE)) * known
         if ti.static(gives):
             given = left
             if ti.static(number == 0):
@@ -153,14 +156,22 @@ class PatchPasses:
                 offset = eight(0.0, 0.0, 0.0, 0.0, 0.0, ti.cast(a, real), ti.cast(b, real), 0.0)
                 of_node = given - offset if ti.static(number == 0) else given
                 k = self.grid.node(i + a, j + b)
-                sums[k] = sums[k] + eight(known[0] * chosen(sx, a) * chosen(sy, b)) * of_node
+                sums[k] = sums[k] + eight(weight * chosen(sx, a) * chosen(sy, b)) * of_node
             else:
                 for y in ti.static(range(3)):
                     for x in ti.static(range(3)):
                         offset = eight(*ti.static((0.0, 0.0, 0.0, 0.0, 0.0, float(x), float(y), 0.0)))
                         of_node = given - offset if ti.static(number == 0) else given
                         k = strip * self.grid.nodes + self.grid.node(i + x, j + y)
-                        sums[k] = sums[k] + eight(known[0] * sx[x] * sy[y]) * of_node
+                        sums[k] = sums[k] + eight(weight * sx[x] * sy[y]) * of_node
+
+    @ti.func
+    def _weight(self, p, row):
+        """Of point p, whose place is a row [cells]."""
+        weight = self.particles.volume[p]
+        if row <= NOWHERE:
+            weight = 0.0
+        return weight
 
     @ti.func
     def _patch(self, x, y):
@@ -173,7 +184,7 @@ class PatchPasses:
         return column, sx, gx, ti.max(0, ti.min(row, self.grid.rows - 3)), sy, gy
 
     @ti.func
-    def _vector_to_point(self, centres: ti.template(), from_x, from_y, i, sx, gx, j, sy, gy):
+    def _vector_to_point(self, means: ti.template(), from_x, from_y, i, sx, gx, j, sy, gy):
         """The vector to a point from where the means around it are right, so that they find a linear field exactly.
 
         The sum of s_i m_i is the field at the centroid of the centroids; its slope (d/dx, d/dy) follows from the sums
@@ -182,7 +193,7 @@ class PatchPasses:
         offset_x, offset_y, xx, xy, yx, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # and the spread
         for b in ti.static(range(3)):
             for a in ti.static(range(3)):
-                centre = centres[self.grid.node(i + a, j + b)]
+                centre = means[self.grid.node(i + a, j + b)]
                 if centre[4] > 0.0:
                     cx, cy = centre[5] + a - from_x, centre[6] + b - from_y
                     s, dx, dy = sx[a] * sy[b], gx[a] * sy[b], sx[a] * gy[b]
@@ -199,21 +210,18 @@ class PatchPasses:
         return tx, ty
 
     @ti.func
-    def _take_means(
-        self, number: ti.template(), sums: ti.template(), means: ti.template(), centres: ti.template(), k
-    ):  # fmt: skip
+    def _take_means(self, number: ti.template(), sums: ti.template(), means: ti.template(), k):
         """Mean of the residual at node k, and at first the weight and its centroid; the sums are emptied."""
         total = eight(0.0)
         for strip in ti.static(range(self.strips)):
             total = total + sums[strip * self.grid.nodes + k]
             sums[strip * self.grid.nodes + k] = eight(0.0)
-        centre = centres[k]
+        centre = eight(*ti.static(PLACE)) * means[k]
         if ti.static(number == 0):
             weight = total[4]
             per_weight = ti.select(weight > 0.0, 1.0 / ti.max(weight, 1e-300), 0.0)
-            centre = eight(per_weight, 0.0, 0.0, 0.0, weight, total[5] * per_weight, total[6] * per_weight, 0.0)
-            centres[k] = centre
-        means[k] = eight(centre[0]) * eight(*ti.static(STRESS)) * total
+            centre = eight(0.0, 0.0, 0.0, 0.0, per_weight, total[5] * per_weight, total[6] * per_weight, 0.0)
+        means[k] = eight(centre[4]) * eight(*ti.static(STRESS)) * total + centre
 
     @ti.func
     def _fold(self, sums: ti.template(), j):
@@ -230,15 +238,13 @@ class PatchPasses:
 class Given:
     """What points give to node (i, j) in a pass (see `CellLists.ask`)."""
 
-    def __init__(
-        self, passes: PatchPasses, number: int, points: Any, sums: Any, means: Any, centres: Any, i: Any, j: Any
-    ):
+    def __init__(self, passes: PatchPasses, number: int, points: Any, sums: Any, means: Any, i: Any, j: Any):
         self.passes, self.number, self.i, self.j = passes, number, i, j
-        self.points, self.sums, self.means, self.centres = points, sums, means, centres
+        self.points, self.sums, self.means = points, sums, means
 
     @ti.func
     def visit(self, p):
         """Take what point p gives."""
         self.passes._point(
-            self.number, self.points, self.sums, self.means, self.centres, 0, p, False, True, self.i, self.j
+            self.number, self.points, self.sums, self.means, 0, p, False, True, self.i, self.j
         )  # fmt: skip

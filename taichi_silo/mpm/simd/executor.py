@@ -55,10 +55,9 @@ class Simd(Executor):
         self.threads = runtime.threads()
         self.loop = PhaseLoop(phases, grid, self.threads)
         self.layout = Layout(particles, grid, shape, surroundings, averaging.KEPT)
-        room = max(self.layout.groups * self.layout.record, filtering.ROOM * particles.count)
-        self.points, self.sums = runtime.array(eight, room), runtime.array(eight, HALVES * grid.nodes)
-        filtering.borrow(self.points, self.sums)
-        self.nodal = runtime.array(eight, grid.nodes)
+        self.points = runtime.array(eight, self.layout.groups * self.layout.record)
+        self.sums, self.nodal = runtime.array(eight, HALVES * grid.nodes), runtime.array(eight, grid.nodes)
+        filtering.borrow(self.points, self.sums, self.nodal)
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.strips = 2  # that the points are cut into
         # rows of cells between points of strips with the same sums: no common node, and a row that either may move
@@ -79,7 +78,7 @@ class Simd(Executor):
             with compiling_simd():
                 self._steps(*given)
             self.compiled = True
-        self._store(self.points, self.nodal)
+        self._store(self.points)
         if self.strips > 2 and self._crowded():
             self.sorted = (-1, 0.0)
 
@@ -100,8 +99,6 @@ class Simd(Executor):
             if the order names points that are not there.
 
         """
-        velocity, change = values(self.grid.velocity), values(self.grid.change)
-        self.nodal.from_numpy(np.concatenate([velocity, change, velocity, velocity], axis=1))
         self.sorted = (-1, 0.0)
         if state:
             if not ((state["order"] >= 0) & (state["order"] <= self.particles.count)).all():
@@ -113,7 +110,7 @@ class Simd(Executor):
 
     def load(self) -> None:
         """Take the state over from the fields."""
-        self._load(self.points)
+        self._load(self.points, self.nodal)
 
     def _sort(self, count: int, dt: float, schedule: tuple[float, ...]) -> None:
         """Put the points in the order of their cells, unless they hardly moved since that was done."""
@@ -170,7 +167,7 @@ class Simd(Executor):
         put(self.layout.half, slots[:-1] // every % HALVES)
 
     @ti.kernel
-    def _load(self, points: arrays_of_eight):
+    def _load(self, points: arrays_of_eight, nodal: arrays_of_eight):
         for q in range(self.layout.groups * LANES):
             g, lane = q // LANES, q % LANES
             p, scale = self.layout.order[q], ti.cast(1.0, real)
@@ -186,9 +183,12 @@ class Simd(Executor):
                 else:
                     for c in ti.static(range(width)):
                         points[k + c][lane] = ti.static(self.particles.fields[name])[p][c]
+        for k in range(self.grid.nodes):  # which somebody may have borrowed
+            for lane in ti.static(range(LANES)):
+                nodal[k][lane] = 0.0
 
     @ti.kernel
-    def _store(self, points: arrays_of_eight, nodal: arrays_of_eight):
+    def _store(self, points: arrays_of_eight):
         for q in range(self.particles.active[None]):
             g, lane = q // LANES, q % LANES
             p = self.layout.order[q]
@@ -200,10 +200,6 @@ class Simd(Executor):
                 else:
                     for c in ti.static(range(width)):
                         ti.static(self.particles.fields[name])[p][c] = points[k + c][lane]
-        for k in range(self.grid.nodes):
-            for c in ti.static(range(2)):
-                self.grid.velocity[k][c] = nodal[k][c]
-                self.grid.change[k][c] = nodal[k][2 + c]
 
     @ti.kernel
     def _steps(
