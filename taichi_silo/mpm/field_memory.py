@@ -13,12 +13,16 @@ from taichi_silo.mpm import runtime
 from taichi_silo.mpm.language import NAME, ti
 
 
-def values(field: ti.Field, first: int | None = None) -> np.ndarray:
-    """A copy of a field, whose last axis is that of its vectors; or of so many first entries."""
+def values(field: ti.Field, end: int | None = None, begin: int = 0) -> np.ndarray:
+    """A copy of a field, whose last axis is that of its vectors; or of entries `begin` to `end`."""
+    part = present(field, end, begin)
+    return part if view(field) is None else part.copy()
+
+
+def present(field: ti.Field, end: int | None = None, begin: int = 0) -> np.ndarray:
+    """As `values`, but the field itself where that can be had: to be used before anything else happens to it."""
     seen = view(field)
-    whole = field.to_numpy() if seen is None else seen
-    part = whole if first is None else whole[:first]
-    return part if seen is None else part.copy()
+    return (field.to_numpy() if seen is None else seen)[begin:end]
 
 
 def put(field: ti.Field, given: ArrayLike, first: int | None = None) -> None:

@@ -28,7 +28,7 @@ import numpy as np
 
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import Phase
-from taichi_silo.mpm.field_memory import put, values
+from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
@@ -101,7 +101,7 @@ class PatchFilter:
 
     def state(self) -> dict:
         """What outlives a launch, for a checkpoint."""
-        return {"path": values(self.path), "way": self.way, "steps": self.steps}
+        return {"path": present(self.path), "way": self.way, "steps": self.steps}
 
     def restore(self, state: dict) -> None:
         """Go on from the points that are there now, and from what `state` gave."""

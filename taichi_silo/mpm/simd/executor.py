@@ -12,7 +12,7 @@ import numpy as np
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.executors import Executor, Phase, PhaseLoop
-from taichi_silo.mpm.field_memory import put, values
+from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
@@ -88,7 +88,7 @@ class Simd(Executor):
 
     def state(self) -> dict | None:
         """What outlives a launch beside the fields: the order of the points, and when they were sorted."""
-        return {"sorted": list(self.sorted), "order": values(self.layout.order), "strips": self.strips}
+        return {"sorted": list(self.sorted), "order": present(self.layout.order), "strips": self.strips}
 
     def restore(self, state: dict | None) -> None:
         """Go on from fields that were loaded, and from a state; without one the points are sorted before the next step.
