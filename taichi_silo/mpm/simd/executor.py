@@ -23,6 +23,7 @@ from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd,
 from taichi_silo.mpm.walls.outlets import OPENED
 
 SORTED_FOR = 0.25  # of a cell: as far as points may move before they are sorted anew
+FAR = 1e9  # cells, beyond which no number of a cell is told from another
 NOTHING = 1e-200  # of a point's mass and volume: what fills up the last group
 
 
@@ -121,22 +122,29 @@ class Simd(Executor):
         if revision == self.particles.revision and moved < SORTED_FOR:
             self.sorted = revision, moved
             return
-        active, place = self.particles.number, self.particles.array("position")
-        if np.isfinite(place).all():
-            per_cell = 1.0 / self.grid.cell_size, 1.0 / (self.grid.cell_size * float(self.grid.stretch[0]))
-            offset = self.shape.half_size if self.shape.NODES == 3 else 0.0
-            # a lattice may lie on the edge of cells: round-off must not tear its rows apart
-            cell = np.floor(place * per_cell - offset + 1e-9)
-            order = np.lexsort((cell[:, 0], cell[:, 1])).astype(np.int32)
-            rows = cell[order, 1]
-        else:
-            order, rows = np.arange(active, dtype=np.int32), np.zeros(active)
-        put(
-            self.layout.order,
-            np.pad(order, (0, self.layout.groups * LANES - active), constant_values=self.particles.count),
-        )
+        column, row = self._cells()
+        order = np.lexsort((column, row)).astype(np.int32)
+        del column
+        rows = row[order]
+        spare = self.layout.groups * LANES - len(order)
+        put(self.layout.order, np.pad(order, (0, spare), constant_values=self.particles.count))
         self.sorted = self.particles.revision, 0.0
         self._cut(next(count for count in (16, 8, 4, 2) if count == 2 or self._stand_apart(rows, count)))
+
+    def _cells(self) -> tuple[np.ndarray, np.ndarray]:
+        """Column and row of the cell of each point; all the same where a place is no number."""
+        place, found = self.particles.present("position"), []
+        if not np.isfinite(place).all():
+            return np.zeros(len(place), np.int32), np.zeros(len(place), np.int32)
+        heights = self.grid.cell_size, self.grid.cell_size * float(values(self.grid.stretch)[0])
+        offset = self.shape.half_size if self.shape.NODES == 3 else 0.0
+        for axis, size in enumerate(heights):
+            # a lattice may lie on the edge of cells: round-off must not tear its rows apart
+            cell = place[:, axis] * (1.0 / size)
+            cell -= offset
+            cell += 1e-9
+            found.append(np.floor(cell, out=cell).clip(-FAR, FAR).astype(np.int32))
+        return found[0], found[1]
 
     def _bounds(self, count: int) -> np.ndarray:
         """First group of each of so many strips, and the end of the last."""
