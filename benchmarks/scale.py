@@ -43,7 +43,7 @@ s.solver.advance(3, 0.5 * s.solver.point_sums().stable_step, gravity=(9.81, 9.81
 s.solver.filter.turn()
 show()
 folder = Path(tempfile.mkdtemp())
-snapshot.write(folder / "one.vtu", s.points())
+snapshot.write_pieces(folder / "one.vtu", s.names_of_points, s.pieces)
 show()
 checked_npz.write(folder / "one.npz", {{"simulation": s.state()}})
 show()

@@ -90,8 +90,8 @@ class Fields:
         return t * count // threads, (t + 1) * count // threads
 
     @ti.func
-    def scatter(self, run: ti.template(), t, threads: ti.template(), step, option: ti.template()):
-        """The phase that adds to the nodes, for the points of thread t."""
+    def scatter(self, run: ti.template(), t, threads: ti.template(), step, option: ti.template(), turn):
+        """The phase that adds to the nodes, for the points of thread t, all in one turn."""
         first, last = self.points_of(t, threads)
         for p in range(first, last):
             run(self, p, t, step, option)

@@ -24,10 +24,12 @@ What P does not know at all fades as exp(-m gamma / STRAIN) whatever the turns; 
 more turns share a strain, so turns follow each other by the way of the points (`TURN`), whatever the time step.
 """
 
+from typing import Any
+
 import numpy as np
 
 from taichi_silo.mpm.contracts import Law
-from taichi_silo.mpm.executors import Phase
+from taichi_silo.mpm.executors import Barrier, Phase
 from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
@@ -65,9 +67,13 @@ class PatchFilter:
         self.revision, self.way, self.steps = -1, 0.0, 0  # of the points; way [cells] and steps since the last turn
         self.passes = PatchPasses(particles, grid, mirrored)
 
-    def borrow(self, points: ti.Ndarray, sums: ti.Ndarray, nodal: ti.Ndarray) -> None:
-        """Work on arrays of the step, which keep nothing between launches but that `sums` are 0."""
-        self.passes.points, self.passes.sums, self.passes.means = points, sums, nodal
+    def borrow(self, layout: Any, barrier: Barrier, *arrays: ti.Ndarray) -> None:
+        """Work on the vector unit's arrays (points, sums, nodal), which keep nothing between launches; sums are 0.
+
+        `layout` has the points' order and strips in the last launch; `barrier` is where threads wait.
+        """
+        self.passes.points, self.passes.sums, self.passes.means = arrays
+        self.passes.layout, self.passes.barrier = layout, barrier
 
     def phases(self) -> list[Phase]:
         """None: it acts between launches."""

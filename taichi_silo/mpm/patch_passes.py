@@ -8,6 +8,7 @@ from typing import Any
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.cell_lists import CellLists
+from taichi_silo.mpm.executors import Barrier
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.one_node import chosen
@@ -15,11 +16,12 @@ from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.shapes.ugimp import UniformGimp
 from taichi_silo.mpm.simd import selftest
-from taichi_silo.mpm.simd.vectors import arrays_of_eight, compiling_simd, eight
+from taichi_silo.mpm.simd.store import STRIPS
+from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd, eight
 
 PASSES = 4
 LEAST_SPREAD = 0.03  # of centroids around a point along an axis [cells], below which they show no slope along it
-STRIPS = 2  # of points, each with sums of its own, so that their order does not depend on the threads
+TURNS = 2  # in which strips of points add to nodes
 STRESS = (1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0)  # slots of the residual
 PLACE = (0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)  # and of what else a point has
 NOWHERE = -1e6  # row at which a point stands of which something is not finite; it has no weight
@@ -40,10 +42,13 @@ class PatchPasses:
     ==============  ==============  ======================================================================
     points          point           residual of the stress (4), place, vector to it from where the means around it
                                     are right [cells]; its weight is its volume
-    sums            strip * node    what the points of a strip gave: weight times residual (4); at first also
-                                    weight and its moments about the node [cells]
+    sums            node            what points gave: weight times residual (4); at first also weight and its
+                                    moments about the node [cells]
     means           node            of the residual (4), 1 / weight (0 without any), centroid from the node [cells], 0
     ==============  ==============  ======================================================================
+
+    Threads share the strips of the vector unit (`simd.store.Layout`), in two turns, so that the order of sums does not
+    depend on their number; on plain loops one thread does all.
 
     """
 
@@ -51,7 +56,9 @@ class PatchPasses:
         self.particles, self.grid, self.mirrored = particles, grid, mirrored
         self.weights = UniformGimp(0.5)
         self.shared = not runtime.is_cpu()
-        self.strips = 1 if self.shared else STRIPS
+        self.threads = runtime.threads()
+        self.barrier = Barrier(self.threads)
+        self.layout: Any = None  # of the vector unit, if it has lent its arrays
         self.lists: Any = CellLists(particles, grid, self.weights) if self.shared else None
         self.points: Any = None
         self.sums: Any = None
@@ -61,8 +68,8 @@ class PatchPasses:
     def hold(self) -> None:
         """Have the arrays, if the step has not lent its own."""
         if self.points is None:
-            self.points, self.means = (runtime.array(eight, n) for n in (self.particles.count, self.grid.nodes))
-            self.sums = runtime.array(eight, self.strips * self.grid.nodes)
+            self.points = runtime.array(eight, self.particles.count)
+            self.sums, self.means = (runtime.array(eight, self.grid.nodes) for _ in range(2))
 
     def run(self) -> None:
         """Leave in `points` what the passes leave of the stresses that stand there."""
@@ -73,26 +80,46 @@ class PatchPasses:
             return
         vectors = real == ti.f64 and not selftest.failure()
         with compiling_simd() if vectors and not self.compiled else contextlib.nullcontext():
-            self._pass(*arrays)
+            self._pass(*arrays, self.barrier.reserve((PASSES + 1) * (TURNS + 1)))
         self.compiled = True
 
     # pass 0 gives the stresses to the nodes, each later one what the one before it has left of them
 
     @ti.kernel
-    def _pass(
-        self, points: arrays_of_eight, sums: arrays_of_eight, means: arrays_of_eight
+    def _pass(self, points: arrays_of_eight, sums: arrays_of_eight, means: arrays_of_eight, passed: ti.i32):
+        ti.loop_config(block_dim=1)
+        for t in range(self.threads):
+            for number in ti.static(range(PASSES + 1)):
+                waits = number * (TURNS + 1)
+                for turn in range(TURNS):
+                    self.barrier.wait(passed, waits + turn)
+                    self._points_of_turn(number, points, sums, means, t, turn)
+                self.barrier.wait(passed, waits + TURNS)
+                if ti.static(number < PASSES):
+                    for j in range(t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads):
+                        if ti.static(self.mirrored):
+                            self._fold(sums, j)
+                        for k in range(j * self.grid.columns, (j + 1) * self.grid.columns):
+                            self._take_means(number, sums, means, k)
+
+    @ti.func
+    def _points_of_turn(
+        self, number: ti.template(), points: ti.template(), sums: ti.template(), means: ti.template(), t, turn
     ):  # fmt: skip
-        for number in ti.static(range(PASSES + 1)):
-            ti.loop_config(block_dim=1)
-            for strip in range(self.strips):
-                for p in range(self._first(strip), self._first(strip + 1)):
-                    self._point(number, points, sums, means, strip, p, number > 0, number < PASSES, 0, 0)
-            if ti.static(number < PASSES and self.mirrored):
-                for j in range(self.grid.rows):
-                    self._fold(sums, j)
-            if ti.static(number < PASSES):
-                for k in range(self.grid.nodes):
-                    self._take_means(number, sums, means, k)
+        """A pass for those points of thread t whose turn it is."""
+        active = self.particles.active[None]
+        if ti.static(not self.layout):
+            if t == 0 and turn == 0:
+                for p in range(active):
+                    self._point(number, points, sums, means, p, number > 0, number < PASSES, 0, 0)
+        else:
+            for strip in range(t * STRIPS // self.threads, (t + 1) * STRIPS // self.threads):
+                if self.layout.half[strip] == turn:
+                    for q in range(LANES * self.layout.first[strip], LANES * self.layout.first[strip + 1]):
+                        if self.layout.order[q] < active:
+                            self._point(
+                                number, points, sums, means, self.layout.order[q], number > 0, number < PASSES, 0, 0
+                            )  # fmt: skip
 
     @ti.kernel
     def _pass_on_tasks(
@@ -102,7 +129,7 @@ class PatchPasses:
             if ti.static(number > 0):
                 for p in range(self.particles.count):
                     if self.particles.is_there(p):
-                        self._point(number, points, sums, means, 0, p, True, False, 0, 0)
+                        self._point(number, points, sums, means, p, True, False, 0, 0)
             if ti.static(number < PASSES):
                 for k in range(self.grid.nodes):
                     i, j = k % self.grid.columns, k // self.grid.columns
@@ -117,14 +144,9 @@ class PatchPasses:
                     self._take_means(number, sums, means, k)
 
     @ti.func
-    def _first(self, strip):
-        """Number of the first point of a strip."""
-        return strip * self.particles.active[None] // self.strips
-
-    @ti.func
     def _point(
         self, number: ti.template(), points: ti.template(), sums: ti.template(), means: ti.template(),
-        strip, p, subtracts: ti.template(), gives: ti.template(), column, row,
+        p, subtracts: ti.template(), gives: ti.template(), column, row,
     ):  # fmt: skip
         """Point p's part of a pass: it subtracts the means from what it has left, and gives that to the nodes.
 
@@ -162,7 +184,7 @@ class PatchPasses:
                     for x in ti.static(range(3)):
                         offset = eight(*ti.static((0.0, 0.0, 0.0, 0.0, 0.0, float(x), float(y), 0.0)))
                         of_node = given - offset if ti.static(number == 0) else given
-                        k = strip * self.grid.nodes + self.grid.node(i + x, j + y)
+                        k = self.grid.node(i + x, j + y)
                         sums[k] = sums[k] + eight(weight * sx[x] * sy[y]) * of_node
 
     @ti.func
@@ -212,10 +234,8 @@ class PatchPasses:
     @ti.func
     def _take_means(self, number: ti.template(), sums: ti.template(), means: ti.template(), k):
         """Mean of the residual at node k, and at first the weight and its centroid; the sums are emptied."""
-        total = eight(0.0)
-        for strip in ti.static(range(self.strips)):
-            total = total + sums[strip * self.grid.nodes + k]
-            sums[strip * self.grid.nodes + k] = eight(0.0)
+        total = sums[k]
+        sums[k] = eight(0.0)
         centre = eight(*ti.static(PLACE)) * means[k]
         if ti.static(number == 0):
             weight = total[4]
@@ -227,11 +247,9 @@ class PatchPasses:
     def _fold(self, sums: ti.template(), j):
         """What the points' mirror images beyond the axis give as well, in row j."""
         axis = self.grid.node(self.grid.columns - 1 - MARGIN, j)
-        for strip in ti.static(range(self.strips)):
-            for n in ti.static(range(MARGIN + 1)):
-                here, there = strip * self.grid.nodes + axis - n, strip * self.grid.nodes + axis + n
-                total = sums[here] + eight(*ti.static(MIRROR)) * sums[there]
-                sums[here], sums[there] = total, eight(*ti.static(MIRROR)) * total
+        for n in ti.static(range(MARGIN + 1)):
+            total = sums[axis - n] + eight(*ti.static(MIRROR)) * sums[axis + n]
+            sums[axis - n], sums[axis + n] = total, eight(*ti.static(MIRROR)) * total
 
 
 @ti.data_oriented
@@ -246,5 +264,5 @@ class Given:
     def visit(self, p):
         """Take what point p gives."""
         self.passes._point(
-            self.number, self.points, self.sums, self.means, 0, p, False, True, self.i, self.j
+            self.number, self.points, self.sums, self.means, p, False, True, self.i, self.j
         )  # fmt: skip

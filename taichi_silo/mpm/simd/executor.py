@@ -54,11 +54,11 @@ class Simd(Executor):
     ):  # fmt: skip
         self.particles, self.grid, self.shape = particles, grid, shape
         self.threads = runtime.threads()
-        self.loop = PhaseLoop(phases, grid, self.threads)
+        self.loop = PhaseLoop(phases, grid, self.threads, turns=HALVES)
         self.layout = Layout(particles, grid, shape, surroundings, averaging.KEPT)
         self.points = runtime.array(eight, self.layout.groups * self.layout.record)
-        self.sums, self.nodal = runtime.array(eight, HALVES * grid.nodes), runtime.array(eight, grid.nodes)
-        filtering.borrow(self.points, self.sums, self.nodal)
+        self.sums, self.nodal = (runtime.array(eight, grid.nodes) for _ in range(2))
+        filtering.borrow(self.layout, self.loop.barrier, self.points, self.sums, self.nodal)
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.strips = 2  # that the points are cut into
         # rows of cells between points of strips with the same sums: no common node, and a row that either may move
