@@ -22,12 +22,14 @@ PACES = Path("outputs") / "gallery" / "bench.csv"
 SIZES = (250_000, 1_000_000)
 CELLS_M = (0.05, 0.02, 0.01)
 GIB = 2.0**30
-STAGES = ("silo ready", "steps", "snapshot", "checkpoint")
+STAGES = ("silo ready", "steps", "snapshot", "checkpoint", "filled", "guarded")
 PROGRAM = """
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 from benchmarks.bench import loaded
 from taichi_silo.runs import snapshot
+from taichi_silo.runs.observers import guard, summary
 from taichi_silo.utils import checked_npz
 def said(name):
     for line in open("/proc/self/status"):
@@ -46,6 +48,16 @@ folder = Path(tempfile.mkdtemp())
 snapshot.write_pieces(folder / "one.vtu", s.names_of_points, s.pieces)
 show()
 checked_npz.write(folder / "one.npz", {{"simulation": s.state()}})
+show()
+keeping = guard.Guard(), summary.Summary(folder / "summary.json", None)
+for one in keeping:
+    one.begin(s)
+    one.filled()
+show()
+points = s.points(*guard.FIELDS)
+for one in keeping[0].of_points:
+    one.look(SimpleNamespace(time_s=1.0, stage="flow"), points)
+del points
 show()
 """
 

@@ -25,14 +25,16 @@ def present(field: ti.Field, end: int | None = None, begin: int = 0) -> np.ndarr
     return (field.to_numpy() if seen is None else seen)[begin:end]
 
 
-def put(field: ti.Field, given: ArrayLike, first: int | None = None) -> None:
-    """Set a field to values that can be broadcast to its shape; or so many first entries, and the others to 0."""
+def put(field: ti.Field, given: ArrayLike, end: int | None = None, begin: int = 0) -> None:
+    """Set a field to values that can be broadcast to its shape; or entries `begin` to `end`, and those after to 0."""
     seen = view(field)
     whole = np.zeros(_shape(field), ti.lang.util.to_numpy_type(field.dtype)) if seen is None else seen
-    if first is None:
-        whole[...] = given
+    if seen is None and begin:
+        whole[:begin] = field.to_numpy()[:begin]
+    if end is None:
+        whole[begin:] = given
     else:
-        whole[:first], whole[first:] = given, 0
+        whole[begin:end], whole[end:] = given, 0
     if seen is None:
         field.from_numpy(whole)
 

@@ -89,36 +89,38 @@ class PatchPasses:
     def _pass(self, points: arrays_of_eight, sums: arrays_of_eight, means: arrays_of_eight, passed: ti.i32):
         ti.loop_config(block_dim=1)
         for t in range(self.threads):
-            for number in ti.static(range(PASSES + 1)):
-                waits = number * (TURNS + 1)
-                for turn in range(TURNS):
-                    self.barrier.wait(passed, waits + turn)
-                    self._points_of_turn(number, points, sums, means, t, turn)
-                self.barrier.wait(passed, waits + TURNS)
-                if ti.static(number < PASSES):
-                    for j in range(t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads):
-                        if ti.static(self.mirrored):
-                            self._fold(sums, j)
-                        for k in range(j * self.grid.columns, (j + 1) * self.grid.columns):
-                            self._take_means(number, sums, means, k)
+            for kind, times in ti.static(enumerate((1, 1, PASSES - 1))):  # from the third on they are alike
+                for again in range(times):
+                    number = kind + again
+                    waits = number * (TURNS + 1)
+                    for turn in range(TURNS):
+                        self.barrier.wait(passed, waits + turn)
+                        self._points_of_turn(kind, points, sums, means, t, turn, number < PASSES)
+                    self.barrier.wait(passed, waits + TURNS)
+                    if number < PASSES:
+                        for j in range(t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads):
+                            if ti.static(self.mirrored):
+                                self._fold(sums, j)
+                            for k in range(j * self.grid.columns, (j + 1) * self.grid.columns):
+                                self._take_means(kind, sums, means, k)
 
     @ti.func
     def _points_of_turn(
-        self, number: ti.template(), points: ti.template(), sums: ti.template(), means: ti.template(), t, turn
+        self, kind: ti.template(), points: ti.template(), sums: ti.template(), means: ti.template(), t, turn, gives
     ):  # fmt: skip
         """A pass for those points of thread t whose turn it is."""
         active = self.particles.active[None]
         if ti.static(not self.layout):
             if t == 0 and turn == 0:
                 for p in range(active):
-                    self._point(number, points, sums, means, p, number > 0, number < PASSES, 0, 0)
+                    self._point(kind, points, sums, means, p, kind > 0, True, gives, 0, 0)
         else:
             for strip in range(t * STRIPS // self.threads, (t + 1) * STRIPS // self.threads):
                 if self.layout.half[strip] == turn:
                     for q in range(LANES * self.layout.first[strip], LANES * self.layout.first[strip + 1]):
                         if self.layout.order[q] < active:
                             self._point(
-                                number, points, sums, means, self.layout.order[q], number > 0, number < PASSES, 0, 0
+                                kind, points, sums, means, self.layout.order[q], kind > 0, True, gives, 0, 0
                             )  # fmt: skip
 
     @ti.kernel
@@ -129,7 +131,7 @@ class PatchPasses:
             if ti.static(number > 0):
                 for p in range(self.particles.count):
                     if self.particles.is_there(p):
-                        self._point(number, points, sums, means, p, True, False, 0, 0)
+                        self._point(number, points, sums, means, p, True, False, False, 0, 0)
             if ti.static(number < PASSES):
                 for k in range(self.grid.nodes):
                     i, j = k % self.grid.columns, k // self.grid.columns
@@ -146,11 +148,11 @@ class PatchPasses:
     @ti.func
     def _point(
         self, number: ti.template(), points: ti.template(), sums: ti.template(), means: ti.template(),
-        p, subtracts: ti.template(), gives: ti.template(), column, row,
+        p, subtracts: ti.template(), gives: ti.template(), now, column, row,
     ):  # fmt: skip
         """Point p's part of a pass: it subtracts the means from what it has left, and gives that to the nodes.
 
-        On tasks it gives only to the node in a column and a row (see `one_node`).
+        It gives if that is compiled and wanted `now`; on tasks only to the node in a column and a row (see `one_node`).
         """
         known = points[p]
         left, weight = eight(*ti.static(STRESS)) * known, self._weight(p, known[5])
@@ -167,25 +169,33 @@ class PatchPasses:
                     left = left - eight(share) * means[self.grid.node(i + a, j + b)]
             left = eight(*ti.static(STRESS)) * left
             points[p] = left + eight(*ti.static(PLACE)) * known
-        if ti.static(gives):
-            given = left
-            if ti.static(number == 0):
-                given = left + eight(0.0, 0.0, 0.0, 0.0, 1.0, from_x, from_y, 0.0)
-            if ti.static(self.shared):
-                a, b = column - i, row - j
-                if ti.static(self.grid.periodic):
-                    a = a % self.grid.columns
-                offset = eight(0.0, 0.0, 0.0, 0.0, 0.0, ti.cast(a, real), ti.cast(b, real), 0.0)
-                of_node = given - offset if ti.static(number == 0) else given
-                k = self.grid.node(i + a, j + b)
-                sums[k] = sums[k] + eight(weight * chosen(sx, a) * chosen(sy, b)) * of_node
-            else:
-                for y in ti.static(range(3)):
-                    for x in ti.static(range(3)):
-                        offset = eight(*ti.static((0.0, 0.0, 0.0, 0.0, 0.0, float(x), float(y), 0.0)))
-                        of_node = given - offset if ti.static(number == 0) else given
-                        k = self.grid.node(i + x, j + y)
-                        sums[k] = sums[k] + eight(weight * sx[x] * sy[y]) * of_node
+        if ti.static(gives):  # noqa: SIM102 (compiled in or not)
+            if now:
+                self._give(number, sums, left, weight, from_x, from_y, i, sx, j, sy, column, row)
+
+    @ti.func
+    def _give(
+        self, number: ti.template(), sums: ti.template(), left, weight, from_x, from_y, i, sx, j, sy, column, row
+    ):  # fmt: skip
+        """What a point has left, to its nodes."""
+        given = left
+        if ti.static(number == 0):
+            given = left + eight(0.0, 0.0, 0.0, 0.0, 1.0, from_x, from_y, 0.0)
+        if ti.static(self.shared):
+            a, b = column - i, row - j
+            if ti.static(self.grid.periodic):
+                a = a % self.grid.columns
+            offset = eight(0.0, 0.0, 0.0, 0.0, 0.0, ti.cast(a, real), ti.cast(b, real), 0.0)
+            of_node = given - offset if ti.static(number == 0) else given
+            k = self.grid.node(i + a, j + b)
+            sums[k] = sums[k] + eight(weight * chosen(sx, a) * chosen(sy, b)) * of_node
+        else:
+            for y in ti.static(range(3)):
+                for x in ti.static(range(3)):
+                    offset = eight(*ti.static((0.0, 0.0, 0.0, 0.0, 0.0, float(x), float(y), 0.0)))
+                    of_node = given - offset if ti.static(number == 0) else given
+                    k = self.grid.node(i + x, j + y)
+                    sums[k] = sums[k] + eight(weight * sx[x] * sy[y]) * of_node
 
     @ti.func
     def _weight(self, p, row):
@@ -264,5 +274,5 @@ class Given:
     def visit(self, p):
         """Take what point p gives."""
         self.passes._point(
-            self.number, self.points, self.sums, self.means, p, False, True, self.i, self.j
+            self.number, self.points, self.sums, self.means, p, False, True, True, self.i, self.j
         )  # fmt: skip
