@@ -22,7 +22,8 @@ def values(field: ti.Field, end: int | None = None, begin: int = 0) -> np.ndarra
 def present(field: ti.Field, end: int | None = None, begin: int = 0) -> np.ndarray:
     """As `values`, but the field itself where that can be had: to be used before anything else happens to it."""
     seen = view(field)
-    return (field.to_numpy() if seen is None else seen)[begin:end]
+    whole = field.to_numpy() if seen is None else seen
+    return whole if end is None else whole[begin:end]
 
 
 def put(field: ti.Field, given: ArrayLike, end: int | None = None, begin: int = 0) -> None:
@@ -30,9 +31,9 @@ def put(field: ti.Field, given: ArrayLike, end: int | None = None, begin: int = 
     seen = view(field)
     whole = np.zeros(_shape(field), ti.lang.util.to_numpy_type(field.dtype)) if seen is None else seen
     if seen is None and begin:
-        whole[:begin] = field.to_numpy()[:begin]
+        whole = field.to_numpy()
     if end is None:
-        whole[begin:] = given
+        whole[...] = given
     else:
         whole[begin:end], whole[end:] = given, 0
     if seen is None:
