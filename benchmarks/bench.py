@@ -23,6 +23,7 @@ from benchmarks.yardstick import Yardstick
 from taichi_silo import Flow, Mesh, Scene, Silo, Simulation, Walls
 from taichi_silo.api import run
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.field_memory import put
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.scene.scene import Averaging, cores
 
@@ -58,10 +59,14 @@ def loaded(
     what = scene(points, points_per_cell, threads, arch)
     runtime.init(arch, threads)
     simulation = Simulation(what, control)
-    arrays = simulation.model.particles.arrays()
-    vertical = -what.density_kg_per_m3 * 9.81 * (what.silo.height_m - arrays["position"][:, 1])
-    arrays["stress"] = np.stack([0.42 * vertical, vertical, 0.42 * vertical, 0.0 * vertical], axis=1)
-    simulation.model.particles.load(arrays)
+    particles, at_once = simulation.model.particles, 1 << 16
+    stress = particles.fields["stress"]
+    for first in range(0, particles.number, at_once):  # large silos have no room for copies
+        height = particles.array("position", first, first + at_once)[:, 1]
+        vertical = -what.density_kg_per_m3 * 9.81 * (what.silo.height_m - height)
+        given = np.stack([0.42 * vertical, vertical, 0.42 * vertical, 0.0 * vertical], axis=1)
+        put(stress, given, first + len(given), first)
+    particles.revision += 1
     return simulation
 
 

@@ -11,6 +11,7 @@ Prints a table and writes outputs/endurance/endurance.csv. Cost: the given minut
 """
 
 import contextlib
+import copy
 import json
 import resource
 import sys
@@ -136,7 +137,7 @@ def refill(cell_size_m: float = 0.01, cycles: int = CYCLES) -> dict:
     )  # fmt: skip
     scene.machine.start()
     simulation, forces, errors, left, rest = Simulation(scene), [], [], [], []
-    empty = simulation.state()
+    empty = copy.deepcopy(simulation.state())
     for _ in range(cycles):
         simulation.restore(empty)
         records = list(simulation.fill())

@@ -3,7 +3,7 @@
 from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Step
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
-from taichi_silo.mpm.simd.store import Groups
+from taichi_silo.mpm.simd.store import HALVES, Groups
 from taichi_silo.mpm.simd.vectors import arrays_of_eight, compiling_simd
 from taichi_silo.mpm.solver import Solver
 
@@ -49,7 +49,8 @@ class Phases:
         for _ in range(steps):
             step = Step(dt=dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
-                store.scatter(self.scatter_run, 0, 1, step, "all")
+                for turn in range(HALVES):
+                    store.scatter(self.scatter_run, 0, 1, step, "all", turn)
 
     @ti.kernel
     def grid(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, steps: ti.i32, dt: real):

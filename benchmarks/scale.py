@@ -22,12 +22,15 @@ PACES = Path("outputs") / "gallery" / "bench.csv"
 SIZES = (250_000, 1_000_000)
 CELLS_M = (0.05, 0.02, 0.01)
 GIB = 2.0**30
-STAGES = ("silo ready", "steps", "snapshot", "checkpoint")
+STEPPING = ("silo ready", "steps", "snapshot", "checkpoint")
+STAGES = (*STEPPING, "filled", "guarded")  # the last two: what summary and guard keep, and look at
 PROGRAM = """
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 from benchmarks.bench import loaded
 from taichi_silo.runs import snapshot
+from taichi_silo.runs.observers import guard, summary
 from taichi_silo.utils import checked_npz
 def said(name):
     for line in open("/proc/self/status"):
@@ -43,15 +46,25 @@ s.solver.advance(3, 0.5 * s.solver.point_sums().stable_step, gravity=(9.81, 9.81
 s.solver.filter.turn()
 show()
 folder = Path(tempfile.mkdtemp())
-snapshot.write(folder / "one.vtu", s.points())
+snapshot.write_pieces(folder / "one.vtu", s.names_of_points, s.pieces)
 show()
 checked_npz.write(folder / "one.npz", {{"simulation": s.state()}})
+show()
+keeping = guard.Guard(), summary.Summary(folder / "summary.json", None)
+for one in keeping:
+    one.begin(s)
+    one.filled()
+show()
+points = s.points(*guard.FIELDS)
+for one in keeping[0].of_points:
+    one.look(SimpleNamespace(time_s=1.0, stage="flow"), points)
+del points
 show()
 """
 
 
 def memory(points: int) -> list[dict]:
-    """What a process with a silo of so many points holds and has held at most, after each stage [bytes]; on Linux."""
+    """What a process with a silo of so many points holds, and has held at most in each stage [bytes]; on Linux."""
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM.format(points=points)], capture_output=True, text=True, check=True
     )
@@ -96,13 +109,15 @@ def main() -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     rows = [row for points in SIZES for row in memory(points)]
     process, a_point = law(rows, "most_bytes")
-    process_held, a_point_held = law(rows, "held_bytes")
-    print(f"at most {process / GIB:.2f} GiB and {a_point:.0f} bytes a point; held {a_point_held:.0f} bytes a point")
+    process_stepping, a_point_stepping = law([row for row in rows if row["stage"] in STEPPING], "most_bytes")
+    print(
+        f"at most {process / GIB:.2f} GiB and {a_point:.0f} bytes a point, {a_point_stepping:.0f} of them in the steps"
+    )
     runtime.init()
     table = pd.DataFrame([need(silo(cell), pd.read_csv(PACES), process, a_point) for cell in CELLS_M])
     print(table.to_string(index=False))
     laws = pd.DataFrame(
-        [("at most", process / GIB, a_point), ("held", process_held / GIB, a_point_held)],
+        [("at most", process / GIB, a_point), ("steps", process_stepping / GIB, a_point_stepping)],
         columns=["what", "process_GiB", "bytes_a_point"],
     ).round({"process_GiB": 2, "bytes_a_point": 0})
     for name, found in (("scale", table), ("memory", laws)):

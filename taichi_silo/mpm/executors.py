@@ -101,12 +101,17 @@ class Barrier:
 class PhaseLoop:
     """All steps of one thread of a launch: its points, its rows of nodes, and where it waits for the others."""
 
-    def __init__(self, phases: tuple[Phase, ...], grid: Grid, threads: int):
-        self.grid, self.threads, self.barrier = grid, threads, Barrier(threads)
-        waits = [number > 0 and phase.waits for number, phase in enumerate(phases)]
+    def __init__(self, phases: tuple[Phase, ...], grid: Grid, threads: int, turns: int = 1):
+        """`turns`: in which points add to nodes, those of one turn and several threads to different ones."""
+        self.grid, self.threads, self.turns, self.barrier = grid, threads, turns, Barrier(threads)
+        begins = [int(number > 0 and phase.waits) for number, phase in enumerate(phases)]
+        waits = [
+            begin + (turns - 1 if phase.over in (SCATTER, COLLECT) else 0)
+            for begin, phase in zip(begins, phases, strict=True)
+        ]
         self.waits = sum(waits)  # in a step
         self.phases = tuple(
-            (sum(waits[:n]), waits[n], *phase[:3], phase.rows or grid.rows) for n, phase in enumerate(phases)
+            (sum(waits[:n]), begins[n], *phase[:3], phase.rows or grid.rows) for n, phase in enumerate(phases)
         )
 
     @ti.func
@@ -120,7 +125,10 @@ class PhaseLoop:
                 if ti.static(waits):
                     self.barrier.wait(passed, number * self.waits + before)
                 if ti.static(over in (SCATTER, COLLECT)):
-                    store.scatter(run, t, self.threads, step, option)
+                    for turn in range(self.turns):
+                        if turn > 0:
+                            self.barrier.wait(passed, number * self.waits + before + waits + turn - 1)
+                        store.scatter(run, t, self.threads, step, option, turn)
                 elif ti.static(over == POINTS):
                     for p in range(first, last):
                         run(store, p, t, step, option)

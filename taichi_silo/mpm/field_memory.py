@@ -13,22 +13,29 @@ from taichi_silo.mpm import runtime
 from taichi_silo.mpm.language import NAME, ti
 
 
-def values(field: ti.Field, first: int | None = None) -> np.ndarray:
-    """A copy of a field, whose last axis is that of its vectors; or of so many first entries."""
+def values(field: ti.Field, end: int | None = None, begin: int = 0) -> np.ndarray:
+    """A copy of a field, whose last axis is that of its vectors; or of entries `begin` to `end`."""
+    part = present(field, end, begin)
+    return part if view(field) is None else part.copy()
+
+
+def present(field: ti.Field, end: int | None = None, begin: int = 0) -> np.ndarray:
+    """As `values`, but the field itself where that can be had: to be used before anything else happens to it."""
     seen = view(field)
     whole = field.to_numpy() if seen is None else seen
-    part = whole if first is None else whole[:first]
-    return part if seen is None else part.copy()
+    return whole if end is None else whole[begin:end]
 
 
-def put(field: ti.Field, given: ArrayLike, first: int | None = None) -> None:
-    """Set a field to values that can be broadcast to its shape; or so many first entries, and the others to 0."""
+def put(field: ti.Field, given: ArrayLike, end: int | None = None, begin: int = 0) -> None:
+    """Set a field to values that can be broadcast to its shape; or entries `begin` to `end`, and those after to 0."""
     seen = view(field)
     whole = np.zeros(_shape(field), ti.lang.util.to_numpy_type(field.dtype)) if seen is None else seen
-    if first is None:
+    if seen is None and begin:
+        whole = field.to_numpy()
+    if end is None:
         whole[...] = given
     else:
-        whole[:first], whole[first:] = given, 0
+        whole[begin:end], whole[end:] = given, 0
     if seen is None:
         field.from_numpy(whole)
 

@@ -39,7 +39,6 @@ class Fields:
     def __init__(self, particles: Particles, grid: Grid, shape: Shape, atomic: bool):
         self.particles, self.grid, self.shape, self.atomic = particles, grid, shape, atomic
         self.read, self.write = particles.read, particles.write
-        grid.hold_sums()
 
     def patches(self) -> tuple[int, ...]:
         """Numbers of the patches through which points give."""
@@ -91,8 +90,8 @@ class Fields:
         return t * count // threads, (t + 1) * count // threads
 
     @ti.func
-    def scatter(self, run: ti.template(), t, threads: ti.template(), step, option: ti.template()):
-        """The phase that adds to the nodes, for the points of thread t."""
+    def scatter(self, run: ti.template(), t, threads: ti.template(), step, option: ti.template(), turn):
+        """The phase that adds to the nodes, for the points of thread t, all in one turn."""
         first, last = self.points_of(t, threads)
         for p in range(first, last):
             run(self, p, t, step, option)

@@ -11,8 +11,10 @@ points have been taken out, and for checkpoints `state()` and `restore(state)`.
 A filtered stress is pulled back to what the law admits.
 """
 
+from typing import Any
+
 from taichi_silo.mpm.contracts import Law
-from taichi_silo.mpm.executors import COLLECT, NODES, POINTS, Phase
+from taichi_silo.mpm.executors import COLLECT, NODES, POINTS, Barrier, Phase
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
@@ -26,9 +28,8 @@ class Unfiltered:
     """Stresses stay as they are."""
 
     ACTIVE = BETWEEN_LAUNCHES = False
-    ROOM = 0
 
-    def borrow(self, points: ti.Ndarray, sums: ti.Ndarray) -> None:
+    def borrow(self, layout: Any, barrier: Barrier, *arrays: ti.Ndarray) -> None:
         """Nothing (see `PatchFilter`)."""
 
 

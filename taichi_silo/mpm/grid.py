@@ -21,7 +21,7 @@ class Grid:
     momentum        copy, node  nodal momentum [kg m/s /m]
     force           copy, node  internal force [N/m]
     velocity        node        after the step [m/s]
-    change          node        of the velocity in the step [m/s]
+    change          node        of the velocity in the step [m/s]; see `hold` for these five
     second_velocity node        velocities that went to the nodes once more in the step [m/s]; see `hold_second`
     memory          node, 3     exponential means of momentum (2) and mass, for the noise control [kg m/s /m, kg/m]
     stretch         copy        height of the grid over its first height [-], one copy for each thread
@@ -56,22 +56,19 @@ class Grid:
         self.rows = self.top + 1 + MARGIN
         self.nodes = self.columns * self.rows
         self.copies = copies
-        self.mass = self.momentum = self.force = None  # see `hold_sums`
-        self.velocity = ti.Vector.field(2, real)
-        self.change = ti.Vector.field(2, real)
-        ti.root.dense(ti.i, self.nodes).place(self.velocity, self.change)
-        self.second_velocity = None
+        self.mass = self.momentum = self.force = self.velocity = self.change = self.second_velocity = None
         self.memory = ti.field(real, shape=(self.nodes, 3))
         self.stretch = ti.field(real, shape=copies)
         put(self.stretch, 1.0)
 
-    def hold_sums(self) -> None:
-        """Have the three sums, which the vector unit keeps in arrays of its own."""
+    def hold(self) -> None:
+        """Have the sums and the velocities, for which the vector unit has arrays of its own."""
         if self.mass is None:
             self.mass = ti.field(real)
-            self.momentum = ti.Vector.field(2, real)
-            self.force = ti.Vector.field(2, real)
+            self.momentum, self.force = ti.Vector.field(2, real), ti.Vector.field(2, real)
             ti.root.dense(ti.i, self.copies * self.nodes).place(self.mass, self.momentum, self.force)
+            self.velocity, self.change = ti.Vector.field(2, real), ti.Vector.field(2, real)
+            ti.root.dense(ti.i, self.nodes).place(self.velocity, self.change)
 
     def hold_second(self) -> None:
         """Have the second velocity, which most steps have not."""
@@ -80,8 +77,7 @@ class Grid:
 
     def velocities(self) -> tuple[ti.Field, ...]:
         """What points may gather."""
-        second = () if self.second_velocity is None else (self.second_velocity,)
-        return self.velocity, self.change, *second
+        return tuple(one for one in (self.velocity, self.change, self.second_velocity) if one is not None)
 
     def forget_all(self) -> None:
         """Stand as at the beginning."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from taichi_silo.mpm.contracts import Law, Shape, Transfer
-from taichi_silo.mpm.field_memory import put, values
+from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import is_cpu, real, real_place, whole_numbers
 
@@ -138,9 +138,13 @@ class Particles:
         """All fields as arrays, first axis the active points."""
         return {name: self.array(name) for name in self.names}
 
-    def array(self, name: str) -> np.ndarray:
-        """A field as an array, first axis the active points."""
-        return values(self.fields[name], self.number)
+    def array(self, name: str, first: int = 0, end: int | None = None) -> np.ndarray:
+        """A field as an array, first axis the active points, or those of numbers `first` to `end`."""
+        return values(self.fields[name], self.number if end is None else min(end, self.number), first)
+
+    def present(self, name: str) -> np.ndarray:
+        """As `array`, but the field itself if possible (see `field_memory.present`)."""
+        return present(self.fields[name], self.number)
 
     def load(self, arrays: Mapping[str, np.ndarray], revision: int | None = None) -> None:
         """Set all fields from arrays of the same shapes, of at most `count` points; `affine` may be left out (0).

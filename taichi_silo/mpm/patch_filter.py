@@ -24,15 +24,17 @@ What P does not know at all fades as exp(-m gamma / STRAIN) whatever the turns; 
 more turns share a strain, so turns follow each other by the way of the points (`TURN`), whatever the time step.
 """
 
+from typing import Any
+
 import numpy as np
 
 from taichi_silo.mpm.contracts import Law
-from taichi_silo.mpm.executors import Phase
-from taichi_silo.mpm.field_memory import put, values
+from taichi_silo.mpm.executors import Barrier, Phase
+from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.particles import Particles
-from taichi_silo.mpm.patch_passes import PatchPasses
+from taichi_silo.mpm.patch_passes import NOWHERE, PatchPasses
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.simd.lane_maths import exp_minus
 from taichi_silo.mpm.simd.vectors import arrays_of_eight, eight
@@ -57,7 +59,6 @@ class PatchFilter:
 
     ACTIVE = True
     BETWEEN_LAUNCHES = True
-    ROOM = 2  # arrays of eight for each point
 
     def __init__(self, particles: Particles, grid: Grid, law: Law, mirrored: bool = False):
         self.particles, self.grid, self.law = particles, grid, law
@@ -66,9 +67,13 @@ class PatchFilter:
         self.revision, self.way, self.steps = -1, 0.0, 0  # of the points; way [cells] and steps since the last turn
         self.passes = PatchPasses(particles, grid, mirrored)
 
-    def borrow(self, points: ti.Ndarray, sums: ti.Ndarray) -> None:
-        """Work on arrays of the step, of which `points` keep nothing between launches, and `sums` are 0."""
-        self.passes.points, self.passes.sums = points, sums
+    def borrow(self, layout: Any, barrier: Barrier, *arrays: ti.Ndarray) -> None:
+        """Work on the vector unit's arrays (points, sums, nodal), which keep nothing between launches; sums are 0.
+
+        `layout` has the points' order and strips in the last launch; `barrier` is where threads wait.
+        """
+        self.passes.points, self.passes.sums, self.passes.means = arrays
+        self.passes.layout, self.passes.barrier = layout, barrier
 
     def phases(self) -> list[Phase]:
         """None: it acts between launches."""
@@ -102,7 +107,7 @@ class PatchFilter:
 
     def state(self) -> dict:
         """What outlives a launch, for a checkpoint."""
-        return {"path": values(self.path), "way": self.way, "steps": self.steps}
+        return {"path": present(self.path), "way": self.way, "steps": self.steps}
 
     def restore(self, state: dict) -> None:
         """Go on from the points that are there now, and from what `state` gave."""
@@ -123,13 +128,12 @@ class PatchFilter:
         for p in range(self.particles.places()):
             if not self.particles.is_there(p):
                 continue
-            s, weight = self.particles.stress[p], self.particles.volume[p]
+            s = self.particles.stress[p]
             x = self.particles.position[p][0] / self.grid.cell_size
             y = self.particles.position[p][1] / self.grid.cell_height(0)
-            if not ti.abs(s).sum() + ti.abs(x) + ti.abs(y) < FINITE:
-                s, weight, x, y = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0, 0.0, 0.0
-            points[2 * p] = eight(s[0], s[1], s[2], s[3], 0.0, 0.0, 0.0, 0.0)
-            points[2 * p + 1] = eight(weight, x, y, 0.0, 0.0, 0.0, 0.0, 0.0)
+            if not (ti.abs(s).sum() + ti.abs(x) < FINITE and ti.abs(y) < -NOWHERE):
+                s, x, y = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0, NOWHERE
+            points[p] = eight(s[0], s[1], s[2], s[3], x, y, 0.0, 0.0)
 
     @ti.kernel
     def _fade(self, points: arrays_of_eight):
@@ -140,8 +144,8 @@ class PatchFilter:
             forgets = 1.0 - exp_minus((path / FORGETS) ** 2)
             share = 1.0 - exp_minus(forgets * (path - self.path[p]) / STRAIN)
             self.path[p] = path
-            if points[2 * p + 1][0] > 0.0:
-                s, left = self.particles.stress[p], points[2 * p]
+            if points[p][5] > NOWHERE:
+                s, left = self.particles.stress[p], points[p]
                 e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
                 faded = s[0] - share * left[0], s[1] - share * left[1], s[2] - share * left[2], s[3] - share * left[3]
                 self.particles.write("stress", p, self.law.admissible(faded, e))

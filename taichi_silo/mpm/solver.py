@@ -106,9 +106,9 @@ class Solver:
         self.readings = readings(self.walls, len(surfaces), particles, grid, law)
         self.impulses, self.sums = self.readings.impulses, self.readings.sums
         self.simd_refused = ""
-        self.executor = self._executor(tuple(self.phases()), on_tasks, simd)
+        self.executor = self._executor(on_tasks, simd)
 
-    def _executor(self, phases: tuple[Phase, ...], on_tasks: bool, simd: bool | None) -> Executor:
+    def _executor(self, on_tasks: bool, simd: bool | None) -> Executor:
         """What runs the phases, as the arguments ask, or the fastest that can be trusted."""
         obstacle = "its phases are parallel tasks" if on_tasks else hindrance(self)
         if simd and obstacle:
@@ -117,6 +117,9 @@ class Solver:
             self.simd_refused = selftest.failure()
             simd = not self.simd_refused
         self.averaging.hold(HALVES if simd else 1 if on_tasks else runtime.threads())
+        if not simd:
+            self.grid.hold()
+        phases = tuple(self.phases())
         if simd:
             return Simd(phases, self.particles, self.grid, self.shape, self.surroundings, self.averaging, self.filter)
         store = Fields(self.particles, self.grid, self.shape, on_tasks)

@@ -130,8 +130,8 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
     seconds, most : how long to measure, and how many steps; at least five intervals between records are.
 
     """
-    model, solver, points = simulation.model, simulation.solver, simulation.model.particles.arrays()
-    model.particles.load(_at_rest(model, points))
+    model, solver = simulation.model, simulation.solver
+    model.particles.load(_at_rest(model, model.fill()))
     speed = 0.0 if model.scene.flow.free else model.scene.flow.speed_m_per_s  # the gate stays shut
     rates: list[float] = []
     machine = model.scene.machine
@@ -155,7 +155,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
             begun, done = begun + 1, done + taken
             if begun > FIRST_INTERVALS:
                 rates.append((timer() - started) / taken)
-    model.particles.load(points)
+    model.particles.load(model.fill())
     put(model.grid.memory, 0.0)
     solver.surfaces.clear()
     solver.impulses.read_and_reset()

@@ -123,7 +123,7 @@ class _Session:
         self.simulation = Simulation(scene)
         if kept:
             with checked_npz.understood(folder):
-                self.simulation.restore(kept["simulation"])
+                self.simulation.restore(kept.pop("simulation"))
         self.simulation.warnings += words
         profiles = WallProfiles(folder / "walls.csv")
         self.summary = Summary(folder / "summary.json", profiles)

@@ -1,5 +1,7 @@
 """The state of all points in a file that ParaView opens, and back again."""
 
+import functools
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -31,37 +33,52 @@ def shown_displacements(flow: Flow) -> list[float]:
     return [share * flow.displacement_m for share in shares]
 
 
+def _mean(stress: np.ndarray) -> np.ndarray:
+    xx, yy, zz, _ = stress.T
+    return -(xx + yy + zz) / 3.0
+
+
+# what a snapshot holds beside the places: the field of the points that it is made of, how, and its type; single
+# precision is 6e-8 of a value, places stay in double precision, as strains follow from their differences
+ARRAYS: dict[str, tuple[str, Callable[[np.ndarray], np.ndarray], type]] = {
+    "void_ratio": ("void_ratio", np.asarray, np.float32),
+    "velocity": ("velocity", vtu.spatial, np.float32),
+    "stress_Pa": ("stress", np.asarray, np.float32),
+    "mean_stress_Pa": ("stress", _mean, np.float32),
+    "volume_m2_per_m": ("volume", np.asarray, np.float32),
+    "mass_kg_per_m": ("mass", np.asarray, np.float32),
+    "strain_path": ("path", np.asarray, np.float32),
+    "identity": ("identity", np.asarray, np.int32),
+}
+
+
 def stored(points: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """What a snapshot holds beside the places, under names with units.
-
-    Single precision is 6e-8 of a value; places stay in double precision, as strains follow from their differences.
-
-    Parameters
-    ----------
-    points : as `Simulation.points` gives them.
-
-    """
-    xx, yy, zz, _ = points["stress"].T
-    values = {
-        "void_ratio": points["void_ratio"],
-        "velocity": vtu.spatial(points["velocity"]),
-        "stress_Pa": points["stress"],
-        "mean_stress_Pa": -(xx + yy + zz) / 3.0,
-        "volume_m2_per_m": points["volume"],
-        "mass_kg_per_m": points["mass"],
-        "strain_path": points["path"],
-    }
-    found = {name: array.astype(np.float32) for name, array in values.items()}
-    return found | {"identity": points["identity"].astype(np.int32)}
+    """What a snapshot holds beside the places, under names with units, of points as `Simulation.points` gives them."""
+    return {name: make(points[field]).astype(kind) for name, (field, make, kind) in ARRAYS.items()}
 
 
 def write(file: Path, points: dict[str, np.ndarray]) -> None:
     """Write a state; points that are not finite are left out."""
-    sound = np.all([np.isfinite(values).all(axis=tuple(range(1, values.ndim))) for values in points.values()], axis=0)
-    if not sound.all():
-        points = {name: values[sound] for name, values in points.items()}
-    arrays = stored(points)
-    vtu.write(file, vtu.spatial(points["position"]), arrays, {name: unit_of(name) for name in arrays}, COMPONENTS)
+    write_pieces(file, tuple(points), lambda field: [points[field]])
+
+
+def write_pieces(file: Path, fields: tuple[str, ...], pieces: Callable[[str], Iterable[np.ndarray]]) -> None:
+    """As `write`, from the names of the fields of the points and what gives each field in pieces: no copy of all."""
+    sound = np.array(True)
+    for field in fields:
+        finite = [np.isfinite(piece).all(axis=tuple(range(1, piece.ndim))) for piece in pieces(field)]
+        sound = sound & np.concatenate(finite)
+
+    def kept(field: str, make: Callable[[np.ndarray], np.ndarray], kind: type) -> Iterator[np.ndarray]:
+        end = 0
+        for piece in pieces(field):
+            begin, end = end, end + len(piece)
+            yield make(piece[sound[begin:end]]).astype(kind)
+
+    arrays = {name: functools.partial(kept, *how) for name, how in ARRAYS.items()}
+    places = functools.partial(kept, "position", vtu.spatial, np.float64)
+    units = {name: unit_of(name) for name in ARRAYS}
+    vtu.write_pieces(file, int(sound.sum()), places, arrays, units, COMPONENTS)
 
 
 def read(file: Path) -> dict[str, np.ndarray]:

@@ -13,7 +13,8 @@ from taichi_silo.scene.symmetry import half_model
 
 GIB = 2.0**30
 OF_PROCESS = 0.28 * GIB  # Python, Taichi and the compiled step
-OF_POINT = 860.0  # bytes, of the fields of a point and its node, and of copies: 600 to 900 and the patch filter's 176
+OF_POINT = 390.0  # bytes, of the fields of a computed point and its node
+OF_KEPT = 225.0  # of a point of the whole silo, in the states that a run keeps and looks at
 OF_MEAN = 140.0  # of a point in a non-local average
 OF_PAIR = 12.0  # of neighbours
 OF_MEAN_NODE = 32.0  # of the average's grid
@@ -26,7 +27,8 @@ GROUPS = (  # where Linux keeps the limit of a control group, such as that of a 
 def needed(scene: Scene) -> float:
     """Bytes that a run of a scene takes, on the processor; rather too few than too many."""
     half = half_model(scene)[0]
-    points = scene.points / (2 if half or scene.silo.section == "round" else 1)
+    whole = scene.points
+    points = whole / (2 if half or scene.silo.section == "round" else 1)
     kernel, _ = scene.averaging.kernel(scene.characteristic_length_m, scene.spacing_m)
     average = 0.0
     if kernel:
@@ -35,7 +37,7 @@ def needed(scene: Scene) -> float:
             average += OF_PAIR * most_pairs(kernel.radius, scene.spacing_m, int(points))
         else:
             average += OF_MEAN_NODE * points * (PER_LENGTH * scene.spacing_m / kernel.length_m) ** 2
-    return OF_PROCESS + OF_POINT * points + average
+    return OF_PROCESS + OF_POINT * points + OF_KEPT * whole + average
 
 
 def available() -> float:

@@ -1,5 +1,6 @@
 """From a scene to the model of its silo: points, grid and walls in the frame of the grid."""
 
+import functools
 import math
 
 import numpy as np
@@ -39,8 +40,9 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
     grid = grid_of(scene, section, threads())
     fill = fill_of(scene, section, law)
     particles = Particles(len(fill["mass"]), Particles.extras(law, shape, method.transfer_of_points()))
-    fill = {name: values for name, values in fill.items() if name in particles.names}
     particles.load(fill)
+    mass = section.factor * float(fill["mass"].sum())
+    del fill
     kernel, about_averaging = scene.averaging.kernel(scene.characteristic_length_m, scene.spacing_m)
     openings = openings_of(scene, section)
     (walls, gates), surfaces = walls_of(scene, section, grid), surfaces_of(scene, section)
@@ -58,8 +60,8 @@ def discretise(scene: Scene, control: NoiseControl | None = None) -> Model:
         filling_time=filling.duration(scene, period),
         flow_time=outflow.duration(scene, period),
         control=noise_control(scene, period) if control is None else control,
-        fill=fill,
-        mass=section.factor * float(fill["mass"].sum()),
+        fill=functools.partial(fill_of, scene, section, law),
+        mass=mass,
         particles=particles,
         grid=grid,
         averaging=averaging_of(scene, section, kernel, particles, grid, walls),

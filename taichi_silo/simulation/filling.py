@@ -102,7 +102,7 @@ def gravity_ramp(model: Model, done: int) -> Iterator[Interval]:
 
 def layers(model: Model, done: int) -> Iterator[Interval]:
     """One layer after the other, without stress at first, each with its whole weight at once."""
-    height, count = model.fill["position"][:, 1], model.scene.filling.layers
+    height, count = model.fill()["position"][:, 1], model.scene.filling.layers
     layer = np.minimum((height / (height.max() + 1e-9) * count).astype(int), count - 1)
     layer = np.unique(layer, return_inverse=True)[1]  # no layer is empty
     return _portions(model, done, layer, LAYER_PERIODS * model.period, 0.0)
@@ -110,7 +110,7 @@ def layers(model: Model, done: int) -> Iterator[Interval]:
 
 def rain(model: Model, done: int) -> Iterator[Interval]:
     """Row after row falls from a height onto the sand that is there."""
-    height = np.round(model.fill["position"][:, 1] / model.spacing, 6)
+    height = np.round(model.fill()["position"][:, 1] / model.spacing, 6)
     rows, row = np.unique(height, return_inverse=True)
     pause = RISE_PERIODS * model.period / len(rows)
     yield from _portions(model, done, row, pause, model.scene.filling.drop_m)

@@ -1,5 +1,6 @@
 """What of a silo is computed: its points, cells and walls, its law and its scales of time."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,7 +38,7 @@ class Model:
     period : of the slowest swing of the fill [s].
     filling_time, flow_time : duration of the filling without the rest after it, and of the flow at most [s].
     control : noise control.
-    fill : fields of the computed points of the full silo, without stress.
+    fill : makes the fields of the computed points of the full silo, without stress.
     mass : of the full silo [kg/m].
     particles, grid : the state.
     averaging : the non-local average, None where the law is local; `about_averaging` is a sentence that says why.
@@ -60,7 +61,7 @@ class Model:
     filling_time: float
     flow_time: float
     control: NoiseControl
-    fill: dict[str, np.ndarray]
+    fill: Callable[[], dict[str, np.ndarray]]
     mass: float
     particles: Particles
     grid: Grid

@@ -7,18 +7,18 @@ they are built once more. All other fields are made anew in each step.
 
 import numpy as np
 
-from taichi_silo.mpm.field_memory import put, values
+from taichi_silo.mpm.field_memory import present, put
 from taichi_silo.mpm.solver import Solver
 
 NODAL = {"memory": "memory", "velocity": "velocity", "change": "change", "echo": "second_velocity"}  # key: field
 
 
 def state_of(solver: Solver) -> dict:
-    """Arrays, numbers, and dictionaries of them."""
+    """Arrays (the fields themselves, if possible), numbers, and dictionaries of them."""
     fields = {key: getattr(solver.grid, name) for key, name in NODAL.items()}
-    kept: dict = {"nodes": {key: values(field) for key, field in fields.items() if field is not None}}
+    kept: dict = {"nodes": {key: present(field) for key, field in fields.items() if field is not None}}
     if solver.surfaces.ACTIVE:
-        kept["surfaces"] = {name: values(getattr(solver.surfaces, name)) for name in ("traction", "seen")}
+        kept["surfaces"] = {name: present(getattr(solver.surfaces, name)) for name in ("traction", "seen")}
     if (order := solver.executor.state()) is not None:
         kept["lanes"] = order
     if solver.filter.BETWEEN_LAUNCHES and solver.filter.revision == solver.particles.revision:

@@ -67,11 +67,12 @@ class Section:
     def whole(self, computed: dict[str, np.ndarray], silo_width_m: float) -> dict[str, np.ndarray]:
         """Fields of the points of the whole silo, in the laboratory, from those of the computed part.
 
-        Masses and volumes become those per metre run; in a round silo per metre of the point's own girth.
+        Masses and volumes become those per metre run; in a round silo, of which positions must be among the fields, per
+        metre of the point's own girth.
         """
         if self.round:
-            radius = computed["position"][:, 0].copy()
-            per_metre = {name: computed[name] / radius for name in ("mass", "volume")}
+            radius = computed["position"][:, 0]
+            per_metre = {name: computed[name] / radius for name in ("mass", "volume") if name in computed}
             right = computed | per_metre | {"position": computed["position"] + (self.shift, 0.0)}
             return whole_points(right, silo_width_m)
         return whole_points(computed, silo_width_m) if self.half else computed

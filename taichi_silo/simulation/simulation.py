@@ -3,7 +3,7 @@
 import dataclasses
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,6 +22,7 @@ from taichi_silo.simulation.discretise import discretise
 from taichi_silo.simulation.record import Record
 
 STEP_SAFETY = 0.95  # of the stable step, which changes within an interval
+PIECE = 1 << 16  # points whose fields are handed out at once
 EXIT = 1.1  # cells below the floor: at most an eighth of the weight of sand there is still on the row of the floor
 
 
@@ -56,7 +57,8 @@ class Simulation:
         self.discharge = None
         if scene.silo.has_opening:
             self.discharge = Discharge(model.particles, -EXIT * scene.grid.cell_size_m, model.openings, model.spacing)
-        self.identity = np.arange(model.particles.count)
+        self.identity = np.arange(model.particles.count, dtype=np.int32)
+        self._fill: dict[str, np.ndarray] = {}  # while sand is poured
         self.sums: SimpleNamespace | None = None  # over the points at the last record,
         self.sums_revision: int | None = None  # and which revision of the points that was
         self._held = -1, 0.0  # a revision of the points, and their mass
@@ -82,6 +84,7 @@ class Simulation:
             record = self.advance(interval)
             done.intervals += 1
             yield record
+        self._fill = {}
         longest = math.ceil(filling.longest_rest(model.scene, model.period) / model.interval)
         while done.rest < longest and not self.clock.settled:
             record = self.advance(Interval(model.interval))
@@ -196,7 +199,8 @@ class Simulation:
 
     def _pour(self, chosen: np.ndarray, above: float) -> None:
         """Add points of the fill, given by their indices, so far above their place [m]."""
-        particles, fill = self.model.particles, self.model.fill
+        particles = self.model.particles
+        self._fill = fill = self._fill or {n: values for n, values in self.model.fill().items() if n in particles.names}
         new = {name: values[chosen] for name, values in fill.items()}
         new["position"] = new["position"] + (0.0, above)
         first = self.filling.intervals == 0  # until then the whole fill is loaded
@@ -204,7 +208,7 @@ class Simulation:
         if "affine" in there:
             new["affine"] = np.zeros((len(chosen), 4))
         particles.load({name: np.concatenate([there[name], new[name]]) for name in there})
-        self.identity = np.concatenate([self.identity[: len(there["mass"])], chosen])
+        self.identity = np.concatenate([self.identity[: len(there["mass"])], chosen.astype(np.int32)])
 
     def _outlets(self, interval: Interval, impulse: np.ndarray) -> dict:
         """What a record tells of each of several outlets."""
@@ -289,20 +293,43 @@ class Simulation:
         """Height of the grid's origin in the laboratory [m]."""
         return -self.clock.displacement if self.scene.silo.floor_is_outlet else 0.0
 
-    def points(self) -> dict[str, np.ndarray]:
-        """All fields of the points of the whole silo as arrays.
+    def points(self, *names: str) -> dict[str, np.ndarray]:
+        """Fields of the points of the whole silo as arrays: all, or those named.
 
         `position` is in the laboratory; `void_ratio`; `identity`, by which a point is found again in another state.
         Masses and volumes are per metre run, in a round silo of the point's own girth.
         """
-        return self.model.section.whole(self._computed(), self.scene.silo.width_m)
+        return self._whole(names or self.names_of_points, 0, self.model.particles.number)
+
+    def pieces(self, name: str) -> Iterator[np.ndarray]:
+        """A field of `points`, some rows after the others, so that it is never there as a whole."""
+        sides, count = self.model.section.points_per_computed, self.model.particles.number
+        for side in range(sides):
+            for first in range(0, max(count, 1), PIECE):
+                rows = self._whole((name,), first, min(first + PIECE, count))[name]
+                length = len(rows) // sides
+                yield rows[side * length : (side + 1) * length]
+
+    @property
+    def names_of_points(self) -> tuple[str, ...]:
+        """Of the fields that `points` gives."""
+        return (*self.model.particles.names, "void_ratio", "identity")
+
+    def _whole(self, names: tuple[str, ...], first: int, end: int) -> dict[str, np.ndarray]:
+        """Fields of computed points `first` to `end`, and of those that they stand for."""
+        asked = {*names, "position"} if self.model.section.round else names
+        whole = self.model.section.whole(self._computed(asked, first, end), self.scene.silo.width_m)
+        return {name: whole[name] for name in names}
 
     def inside(self, points: dict[str, np.ndarray]) -> np.ndarray:
         """Which of `points()` are finite and within the grid less its margin."""
         return self._within(points, self.scene.silo.width_m)
 
     def state(self) -> dict:
-        """What it needs to go on from a record as if it had never been left: numbers, words, arrays, dictionaries."""
+        """What it needs to go on from a record as if it had never been left: numbers, words, arrays, dictionaries.
+
+        Arrays are the fields themselves where that is possible: what is kept of them must be copied.
+        """
         particles = self.model.particles
         kept = {
             "clock": dataclasses.asdict(self.clock) | {"seen": self.sums_revision, "loads": particles.revision},
@@ -310,7 +337,7 @@ class Simulation:
             "warnings": list(self.warnings),
             "alarms": self.alarms.state(),
             "after": vars(self.sums) if self.sums else None,
-            "points": particles.arrays() | {"identity": self.identity},
+            "points": {name: particles.present(name) for name in particles.names} | {"identity": self.identity},
         }
         if self.discharge:
             kept["ledger"] = self.discharge.state()
@@ -327,19 +354,24 @@ class Simulation:
         self.alarms = Alarms(kept["alarms"])
         self.sums = SimpleNamespace(**kept["after"]) if kept["after"] else None
         self.sums_revision = clock["seen"]
-        self.identity = points.pop("identity")
+        self.identity = points.pop("identity").astype(np.int32)
         self._use(self.model.control if self.clock.stage == "filling" else outflow.control(self.model))
         restart.restore(self.solver, kept, points, clock["loads"])
         self._held = -1, 0.0
         if self.discharge:
             self.discharge = dataclasses.replace(self.discharge, **kept["ledger"])
 
-    def _computed(self) -> dict[str, np.ndarray]:
-        """Fields of the computed points; heights are above the initial bottom."""
-        arrays = self.model.particles.arrays()
-        arrays["position"] = arrays["position"] + np.array([0.0, self.origin_m])
-        arrays["void_ratio"] = arrays["volume"] * self.model.law.grain_density / arrays["mass"] - 1.0
-        arrays["identity"] = self.identity
+    def _computed(self, names: Collection[str], first: int = 0, end: int | None = None) -> dict[str, np.ndarray]:
+        """Fields of the computed points, or of those of numbers `first` to `end`; heights are as in `points`."""
+        particles = self.model.particles
+        arrays = {name: particles.array(name, first, end) for name in names if name in particles.names}
+        if "position" in arrays:
+            arrays["position"] += (0.0, self.origin_m)
+        if "void_ratio" in names:
+            volume, mass = (particles.array(name, first, end) for name in ("volume", "mass"))
+            arrays["void_ratio"] = volume * self.model.law.grain_density / mass - 1.0
+        if "identity" in names:
+            arrays["identity"] = self.identity[first:end]
         return arrays
 
     def _within(self, points: dict[str, np.ndarray], width_m: float) -> np.ndarray:
@@ -352,12 +384,12 @@ class Simulation:
 
     def _astray(self, count: int) -> Alarm:
         """The alarm of points that are outside the grid or not finite, at the first of them."""
-        points, section = self._computed(), self.model.section
+        points, section = self._computed(("position", "stress")), self.model.section
         first = int(np.argmin(self._within(points, section.width)))
         place, point = points["position"][first], self.identity[first]
         lost = int((~np.isfinite(points["stress"]).all(axis=1) | ~np.isfinite(points["position"]).all(axis=1)).sum())
         if not np.isfinite(place).all():  # where it is cannot be said, but where it was filled in
-            place = self.model.fill["position"][point]
+            place = self.model.fill()["position"][point]
         alarm = Alarm(
             "not finite" if lost else "outside the grid", True,
             f"{count} points left the silo or are not finite, one{{place}}",

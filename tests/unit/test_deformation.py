@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from taichi_silo.analysis.measure import deformation
 from taichi_silo.analysis.measure.deformation import Rings
 
 X, Y = np.meshgrid(np.arange(20) * 0.005, np.arange(30) * 0.005)
@@ -28,3 +29,10 @@ def test_a_rigid_rotation_is_no_shear():
 
 def test_sand_that_is_drawn_out_upwards_is_not_taken_for_settled_sand():
     assert Rings(BEFORE).net_shear(BEFORE * [1.0, 1.01]) == pytest.approx(0.01, rel=0.01)
+
+
+def test_points_that_are_looked_at_in_parts_have_the_same_strains(monkeypatch):
+    sheared = BEFORE + 1e-2 * np.sin(30.0 * BEFORE[:, ::-1])
+    whole = Rings(BEFORE).net_shear(sheared)
+    monkeypatch.setattr(deformation, "AT_ONCE", 7)
+    assert np.array_equal(Rings(BEFORE).net_shear(sheared), whole)

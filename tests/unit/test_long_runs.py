@@ -9,6 +9,7 @@ import typer
 from taichi_silo.cli.long_runs import permission
 from taichi_silo.errors import Stopped
 from taichi_silo.runs.cost_estimate import Cost, clock
+from taichi_silo.runs.observers import progress
 from taichi_silo.utils.console import Console
 
 HOURS = 2.5 * 3600.0
@@ -45,8 +46,12 @@ def test_where_no_terminal_can_answer_nobody_is_asked(asked, capsys, monkeypatch
     monkeypatch.setattr(sys, "stdin", io.StringIO())
     permission(Console(), yes=False)(HOURS)
     assert not asked and "2:30 h" in capsys.readouterr().out
-    permission(Console(quiet=True), yes=False)(HOURS)
-    assert not capsys.readouterr().out
+
+
+def test_where_nothing_is_said_the_cost_is_not_found_out(monkeypatch):
+    monkeypatch.setattr(progress, "predict", lambda simulation: pytest.fail("steps were tried for it"))
+    console = Console(quiet=True)
+    progress.ProgressLine(console.terminal, permission(console, yes=False)).prepare(None)
 
 
 def test_a_cost_is_told_in_minutes_or_hours():

@@ -18,6 +18,7 @@ from taichi_silo.scene.scene import Flow, Mesh, Output, Scene
 from taichi_silo.scene.silo import Outlet, Silo
 from taichi_silo.show.figures.void_ratio import chosen_snapshots
 from taichi_silo.simulation.clock import Clock
+from taichi_silo.utils import vtu
 from tests import made_up
 from validation.paper.files import CaseRun
 
@@ -43,6 +44,13 @@ class Course:
 
     def points(self):
         return made_up.state(made_up.scene(), self.displacement)
+
+    @property
+    def names_of_points(self):
+        return tuple(self.points())
+
+    def pieces(self, name):
+        return [self.points()[name]]
 
     def record(self, time_s, stage, displacement_m=0.0):
         self.time, self.stage, self.displacement = time_s, stage, displacement_m
@@ -81,6 +89,31 @@ def test_a_state_comes_back_with_its_places_exact(points, tmp_path):
     for name, values in points.items():
         assert again[name] == pytest.approx(values, rel=1.2e-7, abs=1e-30)
     assert [file.name for file in tmp_path.iterdir()] == ["a.vtu"]
+
+
+@pytest.mark.parametrize("rows", [1, 700, 4000])
+def test_a_state_that_comes_in_pieces_is_the_same_file(points, tmp_path, rows):
+    points["stress"][1234] = np.nan  # left out of both
+    snapshot.write(tmp_path / "whole.vtu", points)
+
+    def pieces(name):
+        return (points[name][first : first + rows] for first in range(0, len(points[name]), rows))
+
+    snapshot.write_pieces(tmp_path / "pieces.vtu", tuple(points), pieces)
+    assert (tmp_path / "whole.vtu").read_bytes() == (tmp_path / "pieces.vtu").read_bytes()
+
+
+@pytest.mark.parametrize("block", [4000, 4096, 10_000])  # bytes; 4000 int32 are four whole blocks of the first
+def test_other_readers_understand_arrays_of_many_blocks(points, tmp_path, monkeypatch, block):
+    monkeypatch.setattr(vtu, "BLOCK", block)
+    snapshot.write(tmp_path / "a.vtu", points)
+    again = snapshot.read(tmp_path / "a.vtu")
+    assert (again["position"] == points["position"]).all() and (again["identity"] == points["identity"]).all()
+    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(tmp_path / "a.vtu"))
+    reader.Update()
+    arrays = reader.GetOutput().GetPointData()
+    assert (vtk_to_numpy(arrays.GetArray("stress_Pa")) == points["stress"].astype(np.float32)).all()
 
 
 def test_a_hundred_states_of_the_four_cases_fit_into_forty_megabytes(points, tmp_path):

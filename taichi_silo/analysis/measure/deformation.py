@@ -1,10 +1,13 @@
 """Net deformation between two states of the same points, from their positions alone."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 NEIGHBOURS = 9  # the point itself and its ring on a square lattice
+AT_ONCE = 1 << 14  # points
 FLAT = 1e-9  # determinant over squared trace below which neighbours stand in a line
 
 
@@ -12,9 +15,10 @@ class Rings:
     """Points (n, 2) [m] and their nearest neighbours in one state, ready to be compared with any later one."""
 
     def __init__(self, before: NDArray) -> None:
-        _, self.index = cKDTree(before).query(before, k=min(NEIGHBOURS, len(before)))
-        edges = before[self.index] - before[:, None]
-        self.weights = edges @ _inverse(np.swapaxes(edges, 1, 2) @ edges)
+        tree, count = cKDTree(before), min(NEIGHBOURS, len(before))
+        self.before, self.index = before, np.empty((len(before), count), np.int32)
+        for rows in _parts(len(before)):
+            self.index[rows] = tree.query(before[rows], k=count)[1].reshape(-1, count)
 
     def net_shear(self, after: NDArray) -> NDArray:
         """Net strain (n,) of each point, vertical shortening left out: 0 in a column that only settles [-].
@@ -24,11 +28,19 @@ class Rings:
         rotation nor an oscillation changes. Compaction between rigid walls, as by ratcheting, shortens the column and
         does not count as shear; sand that is drawn into an outlet is stretched, and does.
         """
-        moved = after[self.index] - after[:, None]
-        gradient = np.swapaxes(moved, 1, 2) @ self.weights
-        strain = 0.5 * (np.swapaxes(gradient, 1, 2) @ gradient - np.eye(2))
-        stretched = np.maximum(strain[:, 1, 1], 0.0)
-        return np.sqrt(strain[:, 0, 0] ** 2 + 2.0 * strain[:, 0, 1] ** 2 + stretched**2)
+        found = np.empty(len(after))
+        for rows in _parts(len(after)):
+            edges, moved = (place[self.index[rows]] - place[rows, None] for place in (self.before, after))
+            gradient = np.swapaxes(moved, 1, 2) @ (edges @ _inverse(np.swapaxes(edges, 1, 2) @ edges))
+            strain = 0.5 * (np.swapaxes(gradient, 1, 2) @ gradient - np.eye(2))
+            stretched = np.maximum(strain[:, 1, 1], 0.0)
+            found[rows] = np.sqrt(strain[:, 0, 0] ** 2 + 2.0 * strain[:, 0, 1] ** 2 + stretched**2)
+        return found
+
+
+def _parts(count: int) -> Iterator[slice]:
+    """So many points, some at a time: their rings take ten times the room of their places."""
+    return (slice(first, first + AT_ONCE) for first in range(0, count, AT_ONCE))
 
 
 def _inverse(gram: NDArray) -> NDArray:

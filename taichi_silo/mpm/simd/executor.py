@@ -12,7 +12,7 @@ import numpy as np
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.executors import Executor, Phase, PhaseLoop
-from taichi_silo.mpm.field_memory import put, values
+from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
@@ -23,6 +23,7 @@ from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd,
 from taichi_silo.mpm.walls.outlets import OPENED
 
 SORTED_FOR = 0.25  # of a cell: as far as points may move before they are sorted anew
+FAR = 1e9  # cells, beyond which no number of a cell is told from another
 NOTHING = 1e-200  # of a point's mass and volume: what fills up the last group
 
 
@@ -53,12 +54,11 @@ class Simd(Executor):
     ):  # fmt: skip
         self.particles, self.grid, self.shape = particles, grid, shape
         self.threads = runtime.threads()
-        self.loop = PhaseLoop(phases, grid, self.threads)
+        self.loop = PhaseLoop(phases, grid, self.threads, turns=HALVES)
         self.layout = Layout(particles, grid, shape, surroundings, averaging.KEPT)
-        room = max(self.layout.groups * self.layout.record, filtering.ROOM * particles.count)
-        self.points, self.sums = runtime.array(eight, room), runtime.array(eight, HALVES * grid.nodes)
-        filtering.borrow(self.points, self.sums)
-        self.nodal = runtime.array(eight, grid.nodes)
+        self.points = runtime.array(eight, self.layout.groups * self.layout.record)
+        self.sums, self.nodal = (runtime.array(eight, grid.nodes) for _ in range(2))
+        filtering.borrow(self.layout, self.loop.barrier, self.points, self.sums, self.nodal)
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.strips = 2  # that the points are cut into
         # rows of cells between points of strips with the same sums: no common node, and a row that either may move
@@ -79,7 +79,7 @@ class Simd(Executor):
             with compiling_simd():
                 self._steps(*given)
             self.compiled = True
-        self._store(self.points, self.nodal)
+        self._store(self.points)
         if self.strips > 2 and self._crowded():
             self.sorted = (-1, 0.0)
 
@@ -89,7 +89,7 @@ class Simd(Executor):
 
     def state(self) -> dict | None:
         """What outlives a launch beside the fields: the order of the points, and when they were sorted."""
-        return {"sorted": list(self.sorted), "order": values(self.layout.order), "strips": self.strips}
+        return {"sorted": list(self.sorted), "order": present(self.layout.order), "strips": self.strips}
 
     def restore(self, state: dict | None) -> None:
         """Go on from fields that were loaded, and from a state; without one the points are sorted before the next step.
@@ -100,8 +100,6 @@ class Simd(Executor):
             if the order names points that are not there.
 
         """
-        velocity, change = values(self.grid.velocity), values(self.grid.change)
-        self.nodal.from_numpy(np.concatenate([velocity, change, velocity, velocity], axis=1))
         self.sorted = (-1, 0.0)
         if state:
             if not ((state["order"] >= 0) & (state["order"] <= self.particles.count)).all():
@@ -113,7 +111,7 @@ class Simd(Executor):
 
     def load(self) -> None:
         """Take the state over from the fields."""
-        self._load(self.points)
+        self._load(self.points, self.nodal)
 
     def _sort(self, count: int, dt: float, schedule: tuple[float, ...]) -> None:
         """Put the points in the order of their cells, unless they hardly moved since that was done."""
@@ -124,22 +122,29 @@ class Simd(Executor):
         if revision == self.particles.revision and moved < SORTED_FOR:
             self.sorted = revision, moved
             return
-        active, place = self.particles.number, self.particles.array("position")
-        if np.isfinite(place).all():
-            per_cell = 1.0 / self.grid.cell_size, 1.0 / (self.grid.cell_size * float(self.grid.stretch[0]))
-            offset = self.shape.half_size if self.shape.NODES == 3 else 0.0
-            # a lattice may lie on the edge of cells: round-off must not tear its rows apart
-            cell = np.floor(place * per_cell - offset + 1e-9)
-            order = np.lexsort((cell[:, 0], cell[:, 1])).astype(np.int32)
-            rows = cell[order, 1]
-        else:
-            order, rows = np.arange(active, dtype=np.int32), np.zeros(active)
-        put(
-            self.layout.order,
-            np.pad(order, (0, self.layout.groups * LANES - active), constant_values=self.particles.count),
-        )
+        column, row = self._cells()
+        order = np.lexsort((column, row)).astype(np.int32)
+        del column
+        rows = row[order]
+        spare = self.layout.groups * LANES - len(order)
+        put(self.layout.order, np.pad(order, (0, spare), constant_values=self.particles.count))
         self.sorted = self.particles.revision, 0.0
         self._cut(next(count for count in (16, 8, 4, 2) if count == 2 or self._stand_apart(rows, count)))
+
+    def _cells(self) -> tuple[np.ndarray, np.ndarray]:
+        """Column and row of the cell of each point; all the same where a place is no number."""
+        place, found = self.particles.present("position"), []
+        if not np.isfinite(place).all():
+            return np.zeros(len(place), np.int32), np.zeros(len(place), np.int32)
+        heights = self.grid.cell_size, self.grid.cell_size * float(values(self.grid.stretch)[0])
+        offset = self.shape.half_size if self.shape.NODES == 3 else 0.0
+        for axis, size in enumerate(heights):
+            # a lattice may lie on the edge of cells: round-off must not tear its rows apart
+            cell = place[:, axis] * (1.0 / size)
+            cell -= offset
+            cell += 1e-9
+            found.append(np.floor(cell, out=cell).clip(-FAR, FAR).astype(np.int32))
+        return found[0], found[1]
 
     def _bounds(self, count: int) -> np.ndarray:
         """First group of each of so many strips, and the end of the last."""
@@ -170,7 +175,7 @@ class Simd(Executor):
         put(self.layout.half, slots[:-1] // every % HALVES)
 
     @ti.kernel
-    def _load(self, points: arrays_of_eight):
+    def _load(self, points: arrays_of_eight, nodal: arrays_of_eight):
         for q in range(self.layout.groups * LANES):
             g, lane = q // LANES, q % LANES
             p, scale = self.layout.order[q], ti.cast(1.0, real)
@@ -186,9 +191,12 @@ class Simd(Executor):
                 else:
                     for c in ti.static(range(width)):
                         points[k + c][lane] = ti.static(self.particles.fields[name])[p][c]
+        for k in range(self.grid.nodes):  # which somebody may have borrowed
+            for lane in ti.static(range(LANES)):
+                nodal[k][lane] = 0.0
 
     @ti.kernel
-    def _store(self, points: arrays_of_eight, nodal: arrays_of_eight):
+    def _store(self, points: arrays_of_eight):
         for q in range(self.particles.active[None]):
             g, lane = q // LANES, q % LANES
             p = self.layout.order[q]
@@ -200,10 +208,6 @@ class Simd(Executor):
                 else:
                     for c in ti.static(range(width)):
                         ti.static(self.particles.fields[name])[p][c] = points[k + c][lane]
-        for k in range(self.grid.nodes):
-            for c in ti.static(range(2)):
-                self.grid.velocity[k][c] = nodal[k][c]
-                self.grid.change[k][c] = nodal[k][2 + c]
 
     @ti.kernel
     def _steps(

@@ -18,7 +18,7 @@ from taichi_silo.mpm.simd.lane_maths import greatest
 from taichi_silo.mpm.simd.vectors import LANES, eight
 
 STRIPS = 16  # of points, at most
-HALVES = 2  # of the strips, each with sums of its own
+HALVES = 2  # of the strips, which take turns
 MIRROR = (1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0)  # of the eight slots that a point gives: x turns round
 MIRROR_VELOCITY = (-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0)  # of the eight numbers that a node has
 
@@ -42,15 +42,15 @@ class Layout:
     array of eight  shape            meaning
     ==============  ===============  ===================================================================
     points          group * record   the fields of eight points, one after the other; what they keep within a step
-    sums            half * node      what the points of every second strip gave to a node, by slots
+    sums            node             what points gave to a node, by slots
     nodal           node             what a point may gather there: velocity, change, velocity, velocity
     ==============  ===============  ===================================================================
 
     `order` (field, group * 8) is the number of each point, `particles.count` where there is none. The groups are cut
-    into strips of some rows of cells: `first` (STRIPS + 1) has the first group of each, `half` says to which sums its
-    points add; neighbours have different ones, and strips of the same half no rows of nodes in common, so that each
-    strip may be another thread's. `touched` (half, row) says whether sums of a row are not zero, `reach` (STRIPS, 2)
-    the first and last row of nodes that a strip touched.
+    into strips of some rows of cells: `first` (STRIPS + 1) has the first group of each, `half` says in which of two
+    turns its points add to the nodes; neighbours have different ones, and strips of the same half no rows of nodes in
+    common, so that each strip may be another thread's. `touched` (row) says whether sums of a row are not zero, `reach`
+    (STRIPS, 2) the first and last row of nodes that a strip touched.
     """
 
     def __init__(self, particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings, kept: int):
@@ -61,7 +61,7 @@ class Layout:
         self.begins = {name: sum(widths[:k]) for k, name in enumerate(particles.names)}
         self.order = ti.field(ti.i32, shape=self.groups * LANES)
         self.first, self.half = ti.field(ti.i32, shape=STRIPS + 1), ti.field(ti.i32, shape=STRIPS)
-        self.touched = ti.field(ti.i32, shape=(HALVES, grid.rows))
+        self.touched = ti.field(ti.i32, shape=grid.rows)
         self.reach = ti.field(ti.i32, shape=(STRIPS, 16))
 
 
@@ -149,16 +149,16 @@ class Groups:
         return self.layout.first[first], self.layout.first[last]
 
     @ti.func
-    def scatter(self, run: ti.template(), t, threads: ti.template(), step, option: ti.template()):
-        """Particles to grid: what the points of thread t give, strip by strip (the formula is `p2g`'s, not `run`)."""
+    def scatter(self, run: ti.template(), t, threads: ti.template(), step, option: ti.template(), turn):
+        """Particles to grid: what thread t's strips of one half give (the formula is `p2g`'s, not `run`)."""
         first, last = self.strips_of(t, threads)
         for strip in range(first, last):
-            self.scatter_strip(strip, t)
+            if self.layout.half[strip] == turn:
+                self.scatter_strip(strip, t)
 
     @ti.func
     def scatter_strip(self, strip, t):
-        """Into the sums of a strip's half, what its points give."""
-        sums_from = self.layout.half[strip] * self.grid.nodes
+        """Into the sums, what the points of a strip give."""
         lowest, highest = eight(self.grid.rows), eight(0.0)
         nothing = eight(0.0)
         c00, c01, c02 = nothing, nothing, nothing
@@ -172,7 +172,7 @@ class Groups:
                 lowest, highest = ti.min(lowest, j), ti.max(highest, j)
                 first = j * columns + i
                 for lane in range(LANES):
-                    k = sums_from + self.within(first[lane])
+                    k = self.within(first[lane])
                     v = eight(
                         given[0][lane], given[1][lane], given[2][lane], given[3][lane], given[4][lane], given[5][lane],
                         given[6][lane], given[7][lane],
@@ -214,7 +214,7 @@ class Groups:
         high = ti.min(self.grid.rows, ti.cast(greatest(highest), ti.i32) + self.shape.NODES)
         self.layout.reach[strip, 0], self.layout.reach[strip, 1] = low, high
         for j in range(low, high):
-            self.layout.touched[self.layout.half[strip], j] = 1
+            self.layout.touched[j] = 1
 
     @ti.func
     def within(self, first):
@@ -260,15 +260,14 @@ class Groups:
 
     @ti.func
     def read_sums(self, i, j, last: ti.template()):
-        """Mass, momentum and force of node (i, j) from both halves, which are emptied; i must go from left to right."""
-        k = j * self.grid.columns + i
+        """Mass, momentum and force of node (i, j), which are emptied; i must go from left to right."""
         total = eight(0.0)
-        for half in ti.static(range(HALVES)):
-            if self.layout.touched[half, j] != 0:
-                total = total + self.sums[half * self.grid.nodes + k]
-                self.sums[half * self.grid.nodes + k] = eight(0.0)
-                if i == self.grid.columns - 1:
-                    self.layout.touched[half, j] = 0
+        if self.layout.touched[j] != 0:
+            k = j * self.grid.columns + i
+            total = self.sums[k]
+            self.sums[k] = eight(0.0)
+            if i == self.grid.columns - 1:
+                self.layout.touched[j] = 0
         return total[0], total[1], total[2], total[3] + total[4] + total[6], total[5] + total[7]
 
     @ti.func
@@ -279,19 +278,15 @@ class Groups:
     @ti.func
     def clear_axis(self, k, j):
         """Nothing crosses the axis at node k: no momentum and no force along x."""
-        for half in ti.static(range(HALVES)):
-            if self.layout.touched[half, j] != 0:
-                here = half * self.grid.nodes + k
-                self.sums[here] = self.sums[here] * (0.5 + 0.5 * eight(*ti.static(MIRROR)))
+        if self.layout.touched[j] != 0:
+            self.sums[k] = self.sums[k] * (0.5 + 0.5 * eight(*ti.static(MIRROR)))
 
     @ti.func
     def fold(self, k, image, j):
         """Add the mirrored sums of node `image` to those of node k, and empty them."""
-        for half in ti.static(range(HALVES)):
-            if self.layout.touched[half, j] != 0:
-                here, there = half * self.grid.nodes + k, half * self.grid.nodes + image
-                self.sums[here] = self.sums[here] + self.sums[there] * eight(*ti.static(MIRROR))
-                self.sums[there] = eight(0.0)
+        if self.layout.touched[j] != 0:
+            self.sums[k] = self.sums[k] + self.sums[image] * eight(*ti.static(MIRROR))
+            self.sums[image] = eight(0.0)
 
     @ti.func
     def unfold(self, k, image):

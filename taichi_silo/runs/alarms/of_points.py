@@ -94,6 +94,8 @@ class _Since(CheckOfPoints):
 class Ratcheting(_Since):
     """Void ratio lost without shear: oscillations compact the sand while its force curves still look fine."""
 
+    KEPT = ("position", "void_ratio", "mass", "identity")  # of the state that the flow starts from
+
     def __init__(self, simulation: Simulation):
         super().__init__(simulation)
         self.rings: Rings | None = None

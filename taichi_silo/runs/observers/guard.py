@@ -9,6 +9,7 @@ OF_RECORDS = (
     of_records.TimeStep, of_records.Speed, of_records.Density, of_records.Separation, of_records.Balance,
     of_records.Energy, of_records.Motion,
 )  # fmt: skip
+FIELDS = ("position", "void_ratio", "stress", "mass", "path", "identity")  # of the points, that these look at
 OF_POINTS = (of_points.Outside, of_points.Ratcheting, of_points.Inertia)
 
 
@@ -42,7 +43,7 @@ class Guard(Observer):
 
     def filled(self) -> None:
         """Show the checks of points the state that the flow starts from."""
-        points = self.simulation.points()
+        points = self.simulation.points(*of_points.Ratcheting.KEPT)
         for check in self.of_points:
             check.filled(points)
 
@@ -53,7 +54,7 @@ class Guard(Observer):
         self.count += 1
         if self.count % (EVERY_PERIODS * self.simulation.scene.output.records_per_period):
             return
-        points = self.simulation.points()
+        points = self.simulation.points(*FIELDS)
         if len(points["mass"]):
             for one in self.of_points:
                 self._take(one.look(record, points))

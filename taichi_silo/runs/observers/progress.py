@@ -23,7 +23,7 @@ class ProgressLine(Observer):
     Parameters
     ----------
     console : where to; stdout, or stderr if nobody reads that.
-    permission : called before the run with the seconds that it will take; it may raise Stopped.
+    permission : called before the run with the seconds that it will take; it may raise Stopped. None: nobody asks.
 
     """
 
@@ -31,7 +31,9 @@ class ProgressLine(Observer):
         self.console, self.permission = console or Console(stderr=not sys.stdout.isatty()), permission
 
     def prepare(self, simulation) -> None:
-        """Say what it will cost, and ask for permission."""
+        """Say what it will cost, and ask for permission; where nothing is said, that is not found out either."""
+        if self.console.quiet and self.permission is None:
+            return
         self._print(simulation.model.about_averaging, highlight=False, soft_wrap=True)
         if not runtime.is_cpu():
             self._print(f"Steps run on {runtime.device()}.", highlight=False, soft_wrap=True)

@@ -87,7 +87,7 @@ class Snapshots(Observer):
     def _write(self, name: str) -> None:
         simulation = self.simulation
         file = self.folder / f"{name}.vtu"
-        snapshot.write(file, simulation.points())
+        snapshot.write_pieces(file, simulation.names_of_points, simulation.pieces)
         self.rows.append(
             {
                 "file": file.name,

@@ -29,6 +29,9 @@ from taichi_silo.simulation import outflow
 from taichi_silo.utils import atomic_write
 
 MEASURED = (0.9, 1.0)  # of the flow: between which its pattern is measured
+FILLED = ("position", "void_ratio", "mass", "path", "volume", "stress", "identity")  # what is kept: after filling,
+BEFORE = ("position", "volume", "identity")  # and of the two states between which the flow is measured
+LATER = ("position", "void_ratio", "mass", "path", "identity")
 EARLY = 0.15  # of the sand: free outflow is measured until so much has left
 
 
@@ -68,9 +71,9 @@ class Summary(Observer):
         if record.stage == "flow" and self.mid is None:
             part = self._part(record)
             if self.before is None and part >= MEASURED[0]:
-                self.before = self._state()
+                self.before = self._state(*BEFORE)
             elif self.before is not None and part >= MEASURED[1]:
-                self.mid = self._state()
+                self.mid = self._state(*LATER)
 
     def _part(self, record) -> float:
         """How far the flow has come: of the displacement, or in free outflow of 15 % of the sand."""
@@ -83,15 +86,16 @@ class Summary(Observer):
 
     def filled(self) -> None:
         """Keep the state after filling."""
-        self.after_filling = self._state()
+        self.after_filling = self._state(*FILLED)
 
-    def _state(self) -> dict:
+    def _state(self, *fields: str) -> dict:
+        """Fields of the points, all or those named, and when and where the bottom was."""
         simulation = self.simulation
         sunk = -simulation.origin_m
         out = simulation.displacement * simulation.scene.silo.outlet_share_m
         if simulation.model.gates is not None:  # which do not all sink as far
             out = simulation.discharged / simulation.model.density
-        return simulation.points() | {
+        return simulation.points(*fields) | {
             "displacement_m": simulation.displacement, "time_s": simulation.time, "sunk_m": sunk, "left_m2": out,
         }  # fmt: skip
 
@@ -162,14 +166,14 @@ class Summary(Observer):
             yield "flow pattern", self._flow
 
     def _certificate(self, records: pd.DataFrame) -> dict:
-        return certificate(records, self.after_filling, self._state(), self.simulation)
+        return certificate(records, self.after_filling, self._state(*FILLED), self.simulation)
 
     def _theory(self, janssen: dict) -> dict:
         angle_deg, ratio = janssen["wall_friction_angle_deg"], janssen["pressure_ratio_K0"]
         return theory_of(self.simulation.scene, angle_deg, ratio)
 
     def _flow(self) -> dict:
-        return flow_findings(self.after_filling, self.before, self.mid or self._state(), self.simulation.scene)
+        return flow_findings(self.after_filling, self.before, self.mid or self._state(*LATER), self.simulation.scene)
 
     def _ledger(self) -> dict:
         """What has left, and whether the books close."""
@@ -243,7 +247,7 @@ class Summary(Observer):
         return found
 
     def _zones(self) -> dict:
-        scene, points = self.simulation.scene, self._state()
+        scene, points = self.simulation.scene, self._state("position", "void_ratio", "identity")
         filled = matched(self.after_filling, points)
         position = points["position"] + [0.0, points["sunk_m"]]
         found: dict = {}

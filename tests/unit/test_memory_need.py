@@ -1,0 +1,25 @@
+"""What `--check` tells as the need of memory is what has been measured (`make scale`, on docs/validation/scale.md)."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from taichi_silo.scene import memory_need
+from tests.smallest import SMALLEST, smallest
+
+MEASURED = Path(__file__).parents[2] / "docs" / "data" / "memory.csv"
+
+
+def test_a_point_needs_what_was_measured_of_a_box_with_one_point_a_cell():
+    measured = pd.read_csv(MEASURED, comment="#", index_col="what").bytes_a_point
+    assert measured["steps"] == pytest.approx(memory_need.OF_POINT, rel=0.05)
+    assert measured["at most"] == pytest.approx(memory_need.OF_POINT + memory_need.OF_KEPT, rel=0.05)
+
+
+def test_half_of_a_silo_needs_less_than_the_whole_but_keeps_states_of_all_points():
+    half, whole = (
+        memory_need.needed(smallest(silo=SMALLEST.silo.model_copy(update={"half": kind}))) - memory_need.OF_PROCESS
+        for kind in ("yes", "no")
+    )
+    assert half == pytest.approx(whole - 0.5 * memory_need.OF_POINT * SMALLEST.points, rel=1e-6)
