@@ -1,6 +1,6 @@
 """The scenes of the chart: the model silo between smooth, rough and very rough walls, and with openings.
 
-Each is half a silo of 0.2 m × 0.5 m whose bottom, or gate, sinks by 5 mm, between very rough walls by 20 mm; `BASE`
+Each is half a silo of 0.2 m × 0.5 m whose bottom, or gate, sinks by 5 mm, between very rough walls by 10 mm; `BASE`
 says what all of them share, and about what each dial is turned.
 """
 
@@ -18,7 +18,7 @@ DENSITIES = {"dense": 0.60, "loose": 0.90}
 BASE: Settings = {
     CELL: 0.01, SPEED: 0.008, "flow.displacement_m": 0.005, "silo.half": "yes", "machine.threads": 1,
 }  # fmt: skip
-VERY_ROUGH_M = 0.02  # of displacement: the sand along such walls softens until they have slid by a zone's thickness
+VERY_ROUGH_M = 0.01  # of displacement: sand along such walls softens until it has slid by the thickness of a zone
 OWN_LENGTH_M = 0.0015  # of the law, 3 d50: on coarse cells between very rough walls the default is longer
 SLOW = 0.002  # m/s: the default speed, for which the truth is told
 
