@@ -1,8 +1,8 @@
 """The very rough model silo with the sand's own length resolved: what its numbers are, and what they tend to.
 
 The paper's mass flow, whose bottom sinks by 20 mm, with l_c = 3 d50 = 1.5 mm: dense sand on cells of 2.5, 2 and 1.54
-mm, loose sand on 4, 3.1 and 2.5 mm; beside them the paper's own cells of 5 mm, on which the law is local, and, on the
-finest cells, walls that are left out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s,
+mm, loose sand on 2.5 mm; beside them the paper's own cells of 5 mm, on which the law is local, and, on cells of 2 mm,
+walls that are left out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s,
 the mean goes by a grid.
 
 Leaves the runs (`cells-130/dense_very-rough_bottom`, ...; a film of the dense one on the finest cells),
@@ -39,12 +39,13 @@ BASE = {
 }  # fmt: skip
 DENSE, LOOSE = "dense_very-rough_bottom", "loose_very-rough_bottom"  # as the paper's cases are called
 SANDS = {DENSE: {}, LOOSE: {"sand.void_ratio": 0.9}}
-PAPERS, RESOLVED = 40, {DENSE: (80, 100, 130), LOOSE: (50, 64, 80)}  # cells across
+PAPERS, RESOLVED = 40, {DENSE: (80, 100, 130), LOOSE: (80,)}  # cells across
 FINEST = RESOLVED[DENSE][-1]
-CELL_M = {40: 0.005, 50: 0.004, 64: 0.003125, 80: 0.0025, 100: 0.002, 130: 0.00153846154}
+CELL_M = {40: 0.005, 80: 0.0025, 100: 0.002, 130: 0.00153846154}
 LEFT_OUT = "walls-left-out"  # of the mean
 TOLD = ("P_filled", "T_filled", "N_filled", "pressure_filled_0.5", "P_residual", "T_residual", "N_residual",
         "pressure_residual_0.5", "zone_thickness")  # fmt: skip
+FORCES = {"P": "bottom_force_N_per_m", "T": "left_shear_N_per_m", "N": "left_normal_N_per_m"}
 MIDDLE = (0.4, 0.6)  # of the height, over which profiles are means
 
 
@@ -73,7 +74,7 @@ def planned(output: Path) -> dict[tuple[str, str], Run]:
             values = BASE | sand | {"grid.cell_size_m": CELL_M[cells]}
             film = (case, cells) == (DENSE, FINEST)
             found[f"cells-{cells}", case] = Run(changed(Scene(), values), output / f"cells-{cells}" / case, film=film)
-    values = BASE | {"grid.cell_size_m": CELL_M[FINEST], "averaging.wall": "ignored"}
+    values = BASE | {"grid.cell_size_m": CELL_M[100], "averaging.wall": "ignored"}
     found[LEFT_OUT, DENSE] = Run(changed(Scene(), values), output / LEFT_OUT / DENSE, film=False)
     return found
 
@@ -99,22 +100,34 @@ def of_runs(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
 
 
 def of_limits(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
-    """What the resolved grids tend to: value, error bar and distance of the finest grid, over the measure of each."""
+    """What the grids of dense sand tend to: values, limit, error bar, distance of the finest; over the measure of each.
+
+    Forces also half way, where zones have not softened yet.
+    """
+    runs = [results[f"cells-{cells}", DENSE] for cells in RESOLVED[DENSE]]
+    cells, found = [run.scene.grid.cell_size_m for run in runs], [quantities(run) for run in runs]
     rows = []
-    for case in SANDS:
-        grids = RESOLVED[case]
-        found = [quantities(results[f"cells-{cells}", case]) for cells in grids]
-        for name in TOLD:
-            if all(name in one for one in found):
-                values, last = [one[name].value for one in found], found[-1][name]
-                scale = last.scale if np.isfinite(last.scale) else last.value
-                tends = limit([CELL_M[cells] for cells in grids], values)
-                row = {"sand": case.split("_")[0], "quantity": name, "unit": last.unit}
-                row |= dict(zip(("coarse", "middle", "fine"), values, strict=True))
-                row |= {"limit": tends.value, "order": tends.order, "trust": tends.trust}
-                row |= {"bar": tends.error / scale, "distance": abs(values[-1] - tends.value) / scale}
-                rows.append(row)
+    for name in TOLD:
+        scale = found[-1][name].scale
+        rows.append(_limit(name, found[-1][name].unit, cells, [one[name].value for one in found], scale))
+    weight = runs[-1].summary["weight_N_per_m"]
+    for force, column in FORCES.items():
+        rows.append(_limit(f"{force} at 10 mm", "N/m", cells, [_half_way(run, column) for run in runs], weight))
     return pd.DataFrame(rows)
+
+
+def _limit(name: str, unit: str, cells: list[float], values: list[float], scale: float) -> dict:
+    tends = limit(cells, values)
+    scale = scale if np.isfinite(scale) else values[-1]
+    row: dict = {"quantity": name, "unit": unit} | dict(zip(("coarse", "middle", "fine"), values, strict=True))
+    row |= {"limit": tends.value, "order": tends.order, "trust": tends.trust}
+    return row | {"bar": tends.error / scale, "distance": abs(values[-1] - tends.value) / scale}
+
+
+def _half_way(run: Result, column: str) -> float:
+    """Mean of a force [N/m] about half of the displacement, over a twentieth of it."""
+    flow, last = run.forces[run.forces.stage == "flow"], run.scene.flow.displacement_m
+    return float(flow.loc[(flow.displacement_m - 0.5 * last).abs() < 0.025 * last, column].mean())
 
 
 def of_statements(output: Path) -> pd.DataFrame:
@@ -160,9 +173,8 @@ def draw_forces(results: dict[tuple[str, str], Result], file: Path) -> None:
     """P, T and N over the displacement of the bottom, a row a sand, a line a grid."""
     figure = new_figure(10.0, 5.6)
     axes = figure.subplots(len(SANDS), 3, sharex=True, squeeze=False)
-    columns = {"P": "bottom_force_N_per_m", "T": "left_shear_N_per_m", "N": "left_normal_N_per_m"}
     for line, case in zip(axes, SANDS, strict=True):
-        for axis, (force, column) in zip(line, columns.items(), strict=True):
+        for axis, (force, column) in zip(line, FORCES.items(), strict=True):
             for (grid, of), run in results.items():
                 if of == case:
                     flow = run.forces[run.forces.stage == "flow"]
