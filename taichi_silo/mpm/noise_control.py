@@ -30,19 +30,18 @@ class NoiseControl:
     relaxation: float = 0.0
 
     @classmethod
-    def for_column(cls, period_s: float, slenderness: float = 1.0, grip: float = 0.0) -> "NoiseControl":
+    def for_column(cls, period_s: float, slenderness: float = 1.0, strength: float = 1.0) -> "NoiseControl":
         """Scaled to the slowest mode of the column, of the given period 4 H / c [s].
 
         A memory of an eighth of the period leaves 0.38 of the drag to that mode and nearly all of it to faster ones,
         and weighs on slow changes as an inertia of one more mass only (drag times memory), so that it neither bends
         the filling nor lags behind the bottom. Friction feeds the mode the more, the rougher the wall and the more wall
-        there is for the sand: beyond a height of four widths the drag grows with height over width (`slenderness`), and
-        up to four times where walls hold the sand so that it shears in zones of its own (`grip`, 0 to 1): as such zones
-        soften they feed the swing, which then packs the sand between them. While the silo is being filled a drag
-        towards rest, an eighth as strong as the weakest, comes on top.
+        there is for the sand: beyond a height of four widths the drag grows with height over width (`slenderness`);
+        `strength` multiplies it. While the silo is being filled a drag towards rest, an eighth of the usual one, comes
+        on top.
         """
         swing = 2.0 * math.pi / period_s
-        drag = 1.28 * swing * max(1.0, 0.25 * slenderness) * (1.0 + 3.0 * grip)
+        drag = 1.28 * swing * max(1.0, 0.25 * slenderness) * strength
         return cls(drag=drag, memory_time=0.125 * period_s, filling_drag=0.16 * swing, relaxation=0.16 * swing)
 
     @classmethod

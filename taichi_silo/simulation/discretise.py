@@ -29,6 +29,7 @@ from taichi_silo.simulation.wall_friction import banded, of_surface
 
 HEADROOM = 0.1  # of the fill height, free above it; more where sand hangs on a very rough wall while the grid sinks
 
+CELLS_PER_STRENGTH = 8.0  # of the height, for each of the usual drags: so the drag of a step stays below 0.1
 FADE = 0.05  # of the width: height of a very rough wall over which the velocity goes from the sinking bottom's to zero
 
 
@@ -96,12 +97,14 @@ def noise_control(scene: Scene, period: float) -> NoiseControl:
     if scene.method.noise_control == "none":
         return NoiseControl()
     left, right = fill_shape.sides_m(scene.silo)
-    return NoiseControl.for_column(period, scene.silo.height_m / (right - left), grip(scene))
+    strength = min(1.0 + 3.0 * grip(scene), max(1.0, scene.silo.height_m / scene.grid.cell_size_m / CELLS_PER_STRENGTH))
+    return NoiseControl.for_column(period, scene.silo.height_m / (right - left), strength)
 
 
 def grip(scene: Scene) -> float:
     """How far walls make sand shear in zones of its own, instead of slipping along them: 0 to 1.
 
+    As such zones soften they feed the swing, which then packs the sand between them, unless the drag is stronger.
     Not up to the sand's critical friction angle, wholly from 45 degrees on and along very rough walls; between them it
     grows with the coefficient of friction.
     """

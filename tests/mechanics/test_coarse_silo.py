@@ -22,6 +22,7 @@ CURVES = ("displacement_m", "bottom_N_per_m", "shear_N_per_m", "normal_N_per_m")
 
 
 def mass_on_grid(solver):
+    solver.grid.hold()
     store = Fields(solver.particles, solver.grid, solver.shape, atomic=True)
 
     @ti.kernel

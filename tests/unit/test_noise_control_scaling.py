@@ -5,7 +5,7 @@ import math
 import pytest
 
 from taichi_silo.scene.bands import Band
-from taichi_silo.scene.scene import Sand, Scene, Silo, Walls
+from taichi_silo.scene.scene import Mesh, Sand, Scene, Silo, Walls
 from taichi_silo.simulation.discretise import grip, noise_control
 
 
@@ -25,6 +25,13 @@ def test_sand_with_a_steep_critical_angle_is_held_by_very_rough_walls_alone():
     sand = Sand(critical_friction_angle_deg=50.0)
     assert grip(Scene(sand=sand, walls=Walls(kind="smooth", friction_angle_deg=45.0))) == 0.0
     assert grip(Scene(sand=sand)) == 1.0
+
+
+def test_on_few_cells_the_drag_is_no_stronger_than_a_step_allows():
+    """An explicit drag of a tenth in a step leaves the stable step nearly as it is; four times as much makes energy."""
+    few = Scene(silo=Silo(height_m=0.4), grid=Mesh(cell_size_m=0.05))
+    smooth = few.model_copy(update={"walls": Walls(kind="smooth", friction_angle_deg=20.0)})
+    assert noise_control(few, 0.02).drag == noise_control(smooth, 0.02).drag
 
 
 def test_very_rough_walls_get_four_times_the_drag_of_smooth_ones_and_a_column_of_eight_widths_twice():
