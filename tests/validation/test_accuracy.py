@@ -96,7 +96,7 @@ def test_what_the_named_settings_err_by_is_told_with_how_well_it_is_known():
 
 def test_unknown_scenes_and_dials_are_refused():
     assert chosen("walls", "both", list(scenes.SCENES)) == list(scenes.SCENES)
-    assert chosen("walls", "very-rough", list(scenes.SCENES)) == ["very-rough dense", "very-rough loose"]
+    assert chosen("walls", "rough", list(scenes.SCENES)) == ["rough dense", "rough loose"]
     with pytest.raises(BadInput, match="walls is round; it must be all, or some of smooth dense"):
         chosen("walls", "round", list(scenes.SCENES))
     with pytest.raises(BadInput, match="dial is weather; it must be all, or some of base"):

@@ -20,7 +20,7 @@ def _lengths(cell: float, *shares: float) -> list[Settings]:
 
 
 GRIDS_M = {  # of the runs from which the truth of a scene is extrapolated; thin shear zones need fine ones
-    "very-rough dense": (0.0025, 0.002, 0.00153846154), "very-rough loose": (0.004, 0.003125, 0.0025),
+    "very-rough": (0.0025, 0.002, 0.00153846154),
     "outlet": (0.01, 0.005, 0.004), "hopper": (0.01, 0.005, 0.004), "insert": (0.01, 0.005, 0.004),
     "": (0.02, 0.01, 0.005),
 }  # fmt: skip

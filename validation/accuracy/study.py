@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pandas as pd
@@ -14,11 +14,12 @@ from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import parameters
 from taichi_silo.scene.scene import Scene
 from taichi_silo.studies.converge.estimate import CARRIED
-from taichi_silo.studies.converge.quantities import quantities
+from taichi_silo.studies.converge.quantities import Quantity, quantities
 from taichi_silo.studies.sweep.runs import Run
 from validation.accuracy import dials, scenes, table
 from validation.accuracy.table import Truth
 
+COLUMNS = {"P": "bottom_force_N_per_m", "T": "left_shear_N_per_m", "N": "left_normal_N_per_m"}
 PACE_S = 55e-9  # of an idle core, for a point and step of the base
 
 
@@ -53,6 +54,19 @@ def _key(scene: Scene) -> str:
     return hashlib.sha256(json.dumps(parameters(scene), sort_keys=True, default=str).encode()).hexdigest()
 
 
+def numbers(run: Run) -> dict[str, Quantity]:
+    """The numbers of a run; between very rough walls P, T and N in flow are those half way, over a twentieth of it."""
+    result = Result(run.folder)
+    found = quantities(result)
+    if run.scene.walls.kind == "very-rough":
+        last = run.scene.flow.displacement_m
+        half = (result.forces.stage == "flow") & ((result.forces.displacement_m - 0.5 * last).abs() < 0.025 * last)
+        for force, column in COLUMNS.items():
+            mean = float(result.forces.loc[half, column].mean())
+            found[f"{force}_residual"] = replace(found[f"{force}_residual"], value=mean)
+    return found
+
+
 def truth(rows: list[Row], scene: str) -> dict[str, Truth]:
     """The numbers of a scene without cells, whose bottom sinks at the default speed, with error bars.
 
@@ -61,7 +75,7 @@ def truth(rows: list[Row], scene: str) -> dict[str, Truth]:
     cells, speeds = (
         [row.run for row in rows if row.scene == scene and row.dial == dial] for dial in (dials.FINE, dials.SLOW)
     )
-    fine, slow = ([quantities(Result(run.folder)) for run in some] for some in (cells, speeds))
+    fine, slow = ([numbers(run) for run in some] for some in (cells, speeds))
     found = {}
     for name, last in fine[-1].items():
         if all(name in one for one in (*fine, *slow)):
@@ -87,7 +101,7 @@ def rows(wanted: list[Row], truths: dict[str, dict[str, Truth]]) -> pd.DataFrame
         cost = summary.get("cost", {})
         line["core_seconds"] = PACE_S * cost.get("points", math.nan) * cost.get("steps", math.nan)
         if row.run.finished and folder not in kept:
-            kept[folder] = table.errors(quantities(Result(folder)), truths[row.scene])
+            kept[folder] = table.errors(numbers(row.run), truths[row.scene])
         line |= kept.get(folder, {})
         line["failure"] = "" if row.run.finished else summary.get("failure") or "not run"
         found.append(line)
@@ -120,7 +134,7 @@ def of_changes(rows: list[Row]) -> dict[str, dict[str, float]]:
         runs = {(row.dial, row.setting): row.run for row in rows if row.scene == scene}
         for part, (one, other) in dials.CHANGES.items():
             if one in runs and other in runs:
-                first, second = (quantities(Result(runs[which].folder)) for which in (one, other))
+                first, second = (numbers(runs[which]) for which in (one, other))
                 change = max(abs(first[name].value - second[name].value) / first[name].scale for name in table.FORCES)
                 found.setdefault(scene, {})[part] = float(f"{change:.2g}")
     return found
