@@ -1,8 +1,8 @@
 """The very rough model silo with the sand's own length resolved: what its numbers are, and what they tend to.
 
 The paper's mass flow, whose bottom sinks by 20 mm, with l_c = 3 d50 = 1.5 mm: dense sand on cells of 2.5, 2 and 1.54
-mm, loose sand on 2.5 mm; beside them the paper's own cells of 5 mm, on which the law is local, and, on cells of 2 mm,
-walls that are left out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s,
+mm, loose sand on 2.5 mm; beside them the paper's own cells of 5 mm, on which the law is local, and, on cells of 2.5
+mm, walls that are left out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s,
 the mean goes by a grid.
 
 Leaves the runs (`cells-130/dense_very-rough_bottom`, ...; a film of the dense one on the finest cells),
@@ -74,7 +74,7 @@ def planned(output: Path) -> dict[tuple[str, str], Run]:
             values = BASE | sand | {"grid.cell_size_m": CELL_M[cells]}
             film = (case, cells) == (DENSE, FINEST)
             found[f"cells-{cells}", case] = Run(changed(Scene(), values), output / f"cells-{cells}" / case, film=film)
-    values = BASE | {"grid.cell_size_m": CELL_M[100], "averaging.wall": "ignored"}
+    values = BASE | {"grid.cell_size_m": CELL_M[80], "averaging.wall": "ignored"}
     found[LEFT_OUT, DENSE] = Run(changed(Scene(), values), output / LEFT_OUT / DENSE, film=False)
     return found
 
