@@ -7,8 +7,8 @@ the mean goes by a grid.
 
 Leaves the runs (`cells-130/dense_very-rough_bottom`, ...; a film of the dense one on the finest cells),
 `resolved_runs.csv` (a row a run), `resolved_limits.csv` (what the three grids tend to, with error bars),
-`resolved_statements.csv` (the statements of the paper on both grids), and figures. Cost: two and a half hours of
-one core, half an hour of it for the dense silo on the finest cells; what has ended is kept.
+`resolved_statements.csv` (the statements of the paper on both grids), and figures. Cost: an hour and a quarter of
+one core, 23 minutes of it for the dense silo on the finest cells; what has ended is kept.
 """
 
 import sys
