@@ -1,14 +1,13 @@
 """The very rough model silo with the sand's own length resolved: what its numbers are, and what they tend to.
 
-The paper's mass flow, whose bottom sinks by 20 mm, with l_c = 3 d50 = 1.5 mm: dense sand on cells of 2.5, 2 and 1.54
-mm, loose sand on 2.5 mm; beside them the paper's own cells of 5 mm, on which the law is local, and, on cells of 2.5
-mm, walls that are left out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s,
-the mean goes by a grid.
+The paper's mass flow of dense sand, whose bottom sinks by 20 mm, with l_c = 3 d50 = 1.5 mm on cells of 2.5, 2 and 1.54
+mm; beside them the paper's own cells of 5 mm, on which the law is local, and, on cells of 2.5 mm, walls that are left
+out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s, the mean goes by a grid.
 
 Leaves the runs (`cells-130/dense_very-rough_bottom`, ...; a film of the dense one on the finest cells),
 `resolved_runs.csv` (a row a run), `resolved_limits.csv` (what the three grids tend to, with error bars),
-`resolved_statements.csv` (the statements of the paper on both grids), and figures. Cost: an hour and a quarter of
-one core, 23 minutes of it for the dense silo on the finest cells; what has ended is kept.
+`resolved_statements.csv` (the statements of the paper on both grids), and figures. Cost: an hour of one core, 23
+minutes of it for the finest cells; what has ended is kept.
 """
 
 import sys
@@ -37,10 +36,9 @@ BASE = {
     "silo.half": "yes", "flow.speed_m_per_s": 0.008, "flow.displacement_m": 0.02,
     "averaging.characteristic_length_m": 0.0015, "machine.threads": 1,
 }  # fmt: skip
-DENSE, LOOSE = "dense_very-rough_bottom", "loose_very-rough_bottom"  # as the paper's cases are called
-SANDS = {DENSE: {}, LOOSE: {"sand.void_ratio": 0.9}}
-PAPERS, RESOLVED = 40, {DENSE: (80, 100, 130), LOOSE: (80,)}  # cells across
-FINEST = RESOLVED[DENSE][-1]
+CASE = "dense_very-rough_bottom"  # as the paper's flow is called
+PAPERS, RESOLVED = 40, (80, 100, 130)  # cells across
+FINEST = RESOLVED[-1]
 CELL_M = {40: 0.005, 80: 0.0025, 100: 0.002, 130: 0.00153846154}
 LEFT_OUT = "walls-left-out"  # of the mean
 TOLD = ("P_filled", "T_filled", "N_filled", "pressure_filled_0.5", "P_residual", "T_residual", "N_residual",
@@ -55,7 +53,7 @@ def resolved_silo(
     """Run the silo on all grids and say what its numbers tend to."""
     output = output.expanduser()
     runs = planned(output)
-    run_all({" ".join(key): run for key, run in runs.items()}, output)
+    run_all(runs, output)
     results = {key: Result(run.folder) for key, run in runs.items()}
     tables = {"runs": of_runs(results), "limits": of_limits(results), "statements": of_statements(output)}
     for name, table in tables.items():
@@ -66,25 +64,24 @@ def resolved_silo(
         draw_profiles(results, output / "resolved_profiles.png")
 
 
-def planned(output: Path) -> dict[tuple[str, str], Run]:
-    """The runs by the name of their grid and their case."""
+def planned(output: Path) -> dict[str, Run]:
+    """The runs by the name of their grid."""
     found = {}
-    for case, sand in SANDS.items():
-        for cells in (PAPERS, *RESOLVED[case]):
-            values = BASE | sand | {"grid.cell_size_m": CELL_M[cells]}
-            film = (case, cells) == (DENSE, FINEST)
-            found[f"cells-{cells}", case] = Run(changed(Scene(), values), output / f"cells-{cells}" / case, film=film)
+    for cells in (PAPERS, *RESOLVED):
+        scene = changed(Scene(), BASE | {"grid.cell_size_m": CELL_M[cells]})
+        found[f"cells-{cells}"] = Run(scene, output / f"cells-{cells}" / CASE, film=cells == FINEST)
     values = BASE | {"grid.cell_size_m": CELL_M[80], "averaging.wall": "ignored"}
-    found[LEFT_OUT, DENSE] = Run(changed(Scene(), values), output / LEFT_OUT / DENSE, film=False)
+    found[LEFT_OUT] = Run(changed(Scene(), values), output / LEFT_OUT / CASE, film=False)
     return found
 
 
-def of_runs(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
+def of_runs(results: dict[str, Result]) -> pd.DataFrame:
     """A row a run: forces [kN/m], angle [degrees], wall stress in the middle [kPa], zones [mm], cost [core hours]."""
     rows = []
-    for (grid, case), run in results.items():
+    for grid, run in results.items():
         found, summary = quantities(run), run.summary
-        row = {"sand": case.split("_")[0], "grid": grid, "cells_mm": 1e3 * run.scene.grid.cell_size_m}
+        row = {"grid": grid, "cells_mm": 1e3 * run.scene.grid.cell_size_m}
+        row |= {f"{force}_half_way": 1e-3 * _half_way(run, column) for force, column in FORCES.items()}
         for state in ("filled", "residual"):
             row |= {f"{force}_{state}": 1e-3 * found[f"{force}_{state}"].value for force in "PTN"}
             row[f"angle_{state}"] = float(np.degrees(np.arctan(found[f"TN_{state}"].value)))
@@ -99,12 +96,12 @@ def of_runs(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def of_limits(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
-    """What the grids of dense sand tend to: values, limit, error bar, distance of the finest; over the measure of each.
+def of_limits(results: dict[str, Result]) -> pd.DataFrame:
+    """What the grids tend to: values, limit, error bar, and distance of the finest; over the measure of each.
 
     Forces also half way, where zones have not softened yet.
     """
-    runs = [results[f"cells-{cells}", DENSE] for cells in RESOLVED[DENSE]]
+    runs = [results[f"cells-{cells}"] for cells in RESOLVED]
     cells, found = [run.scene.grid.cell_size_m for run in runs], [quantities(run) for run in runs]
     rows = []
     for name in TOLD:
@@ -112,7 +109,7 @@ def of_limits(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
         rows.append(_limit(name, found[-1][name].unit, cells, [one[name].value for one in found], scale))
     weight = runs[-1].summary["weight_N_per_m"]
     for force, column in FORCES.items():
-        rows.append(_limit(f"{force} at 10 mm", "N/m", cells, [_half_way(run, column) for run in runs], weight))
+        rows.append(_limit(f"{force}_half_way", "N/m", cells, [_half_way(run, column) for run in runs], weight))
     return pd.DataFrame(rows)
 
 
@@ -131,7 +128,7 @@ def _half_way(run: Result, column: str) -> float:
 
 
 def of_statements(output: Path) -> pd.DataFrame:
-    """The paper's statements on these two flows, on its own cells and on the finest."""
+    """The paper's statements on this flow, on its own cells and on the finest."""
     coarse, fine = (evaluate(output / f"cells-{cells}") for cells in (PAPERS, FINEST))
     both = coarse.merge(fine, on=["id", "section", "statement", "paper"], suffixes=("_5_mm", "_resolved"))
     judged = both["agrees_5_mm"].isin(("yes", "partly", "no")) | both["agrees_resolved"].isin(("yes", "partly", "no"))
@@ -169,34 +166,30 @@ def _label(grid: str, run: Result) -> str:
     return f"{cells}, walls left out" if grid == LEFT_OUT else cells
 
 
-def draw_forces(results: dict[tuple[str, str], Result], file: Path) -> None:
-    """P, T and N over the displacement of the bottom, a row a sand, a line a grid."""
-    figure = new_figure(10.0, 5.6)
-    axes = figure.subplots(len(SANDS), 3, sharex=True, squeeze=False)
-    for line, case in zip(axes, SANDS, strict=True):
-        for axis, (force, column) in zip(line, FORCES.items(), strict=True):
-            for (grid, of), run in results.items():
-                if of == case:
-                    flow = run.forces[run.forces.stage == "flow"]
-                    axis.plot(1e3 * flow.displacement_m, 1e-3 * flow[column], label=_label(grid, run), lw=1.0)
-            axis.set_ylabel(f"{force} (kN/m), {case.split('_')[0]} sand")
-    for axis in axes[-1]:
+def draw_forces(results: dict[str, Result], file: Path) -> None:
+    """P, T and N over the displacement of the bottom, a line a grid."""
+    figure = new_figure(10.0, 3.4)
+    axes = figure.subplots(1, 3)
+    for axis, (force, column) in zip(axes, FORCES.items(), strict=True):
+        for grid, run in results.items():
+            flow = run.forces[run.forces.stage == "flow"]
+            axis.plot(1e3 * flow.displacement_m, 1e-3 * flow[column], label=_label(grid, run), lw=1.0)
+        axis.set_ylabel(f"{force} (kN/m)")
         axis.set_xlabel("displacement of the bottom (mm)")
-    axes[0, 0].legend()
+    axes[0].legend()
     figure.savefig(file, dpi=150)
 
 
-def draw_profiles(results: dict[tuple[str, str], Result], file: Path) -> None:
-    """Way downwards and void ratio from the wall to the middle of dense sand, a line a grid."""
+def draw_profiles(results: dict[str, Result], file: Path) -> None:
+    """Way downwards and void ratio from the wall to the middle, a line a grid."""
     figure = new_figure(9.0, 3.6)
     for axis, (name, label) in zip(
         figure.subplots(1, 2), (("way_mm", "way downwards (mm)"), ("void_ratio", "void ratio (-)")), strict=True
     ):
-        for (grid, case), run in results.items():
-            if case == DENSE:
-                profile = across(run)
-                left = profile[profile["x_mm"] < 500.0 * run.scene.silo.width_m]
-                axis.plot(left["x_mm"], left[name], label=_label(grid, run), lw=1.0)
+        for grid, run in results.items():
+            profile = across(run)
+            left = profile[profile["x_mm"] < 500.0 * run.scene.silo.width_m]
+            axis.plot(left["x_mm"], left[name], label=_label(grid, run), lw=1.0)
         axis.set_xlabel("distance from the wall (mm)")
         axis.set_ylabel(label)
         axis.legend()

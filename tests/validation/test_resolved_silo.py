@@ -9,10 +9,10 @@ from validation.resolved_silo import FINEST, LEFT_OUT, planned, sheared_mm
 
 def test_the_finest_cells_are_no_larger_than_the_sands_length_and_all_resolve_it(tmp_path):
     runs = planned(tmp_path)
-    lengths = {grid: run.scene.grid.cell_size_m / run.scene.characteristic_length_m for (grid, _), run in runs.items()}
+    lengths = {grid: run.scene.grid.cell_size_m / run.scene.characteristic_length_m for grid, run in runs.items()}
     assert lengths[f"cells-{FINEST}"] == pytest.approx(1.0, abs=0.03)
     assert lengths[LEFT_OUT] == lengths["cells-80"]
-    acts = {grid: run.scene.averaging.kernel(0.0015, run.scene.spacing_m)[0] for (grid, _), run in runs.items()}
+    acts = {grid: run.scene.averaging.kernel(0.0015, run.scene.spacing_m)[0] for grid, run in runs.items()}
     assert "cells-40" in [grid for grid, kernel in acts.items() if kernel is None], "the paper's own, of 5 mm"
 
 
