@@ -1,5 +1,6 @@
 """What the tests of faults share: a run that nothing befell, and runs without what takes them their time."""
 
+import copy
 import dataclasses
 import shutil
 from pathlib import Path
@@ -26,7 +27,7 @@ def quick():
         if not made or made[2:] != [key, ti.lang.impl.get_runtime()]:  # fields end with it
             runtime.init()  # afresh: the compiled kernels that are kept know fields by their numbers
             first = Simulation(scene)
-            made[:] = first, first.state(), key, ti.lang.impl.get_runtime()
+            made[:] = first, copy.deepcopy(first.state()), key, ti.lang.impl.get_runtime()
         found, start, *_ = made
         found.model, found.warnings = dataclasses.replace(found.model, scene=scene), []
         found.restore(start)

@@ -212,7 +212,8 @@ def test_zoom_shows_a_part_of_the_same_picture_larger(folder, tmp_path):
     history = Result(folder)
     whole, part = (Renderer(history, Look(size=(640, 360), zoom_mm=box)).picture for box in (None, (0, 0, 100, 100)))
     assert part.canvas.layout.pixels_per_metre > 2.0 * whole.canvas.layout.pixels_per_metre
-    assert part.canvas.walls == (True, False) and whole.canvas.walls == (True, True)
+    assert [bool(standing) for standing in part.canvas.walls] == [True, False]
+    assert [bool(standing) for standing in whole.canvas.walls] == [True, True]
     points = made_up.state(history.scene, 0.0)
     place, values = points["position"], np.where(points["position"][:, 0] < 0.05, 0.6, 0.8)
     for picture in (whole, part):
