@@ -175,8 +175,8 @@ def draw_forces(results: dict[str, Result], file: Path) -> None:
             flow = run.forces[run.forces.stage == "flow"]
             axis.plot(1e3 * flow.displacement_m, 1e-3 * flow[column], label=_label(grid, run), lw=1.0)
         axis.set_ylabel(f"{force} (kN/m)")
-        axis.set_xlabel("displacement of the bottom (mm)")
-    axes[0].legend()
+        axis.set_xlabel("way of the bottom (mm)")
+    axes[1].legend()
     figure.savefig(file, dpi=150)
 
 
