@@ -30,6 +30,7 @@ from taichi_silo.studies.run_all import run_all
 from taichi_silo.studies.sweep.runs import Run
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # as a plain script, too
+from validation.accuracy.study import COLUMNS, half_way  # noqa: E402
 from validation.paper.check import evaluate  # noqa: E402
 
 BASE = {
@@ -43,7 +44,6 @@ CELL_M = {40: 0.005, 80: 0.0025, 100: 0.002, 130: 0.00153846154}
 LEFT_OUT = "walls-left-out"  # of the mean
 TOLD = ("P_filled", "T_filled", "N_filled", "pressure_filled_0.5", "P_residual", "T_residual", "N_residual",
         "pressure_residual_0.5", "zone_thickness")  # fmt: skip
-FORCES = {"P": "bottom_force_N_per_m", "T": "left_shear_N_per_m", "N": "left_normal_N_per_m"}
 MIDDLE = (0.4, 0.6)  # of the height, over which profiles are means
 
 
@@ -81,7 +81,7 @@ def of_runs(results: dict[str, Result]) -> pd.DataFrame:
     for grid, run in results.items():
         found, summary = quantities(run), run.summary
         row = {"grid": grid, "cells_mm": 1e3 * run.scene.grid.cell_size_m}
-        row |= {f"{force}_half_way": 1e-3 * _half_way(run, column) for force, column in FORCES.items()}
+        row |= {f"{force}_half_way": 1e-3 * half_way(run, force) for force in COLUMNS}
         for state in ("filled", "residual"):
             row |= {f"{force}_{state}": 1e-3 * found[f"{force}_{state}"].value for force in "PTN"}
             row[f"angle_{state}"] = float(np.degrees(np.arctan(found[f"TN_{state}"].value)))
@@ -108,8 +108,8 @@ def of_limits(results: dict[str, Result]) -> pd.DataFrame:
         scale = found[-1][name].scale
         rows.append(_limit(name, found[-1][name].unit, cells, [one[name].value for one in found], scale))
     weight = runs[-1].summary["weight_N_per_m"]
-    for force, column in FORCES.items():
-        rows.append(_limit(f"{force}_half_way", "N/m", cells, [_half_way(run, column) for run in runs], weight))
+    for force in COLUMNS:
+        rows.append(_limit(f"{force}_half_way", "N/m", cells, [half_way(run, force) for run in runs], weight))
     return pd.DataFrame(rows)
 
 
@@ -119,12 +119,6 @@ def _limit(name: str, unit: str, cells: list[float], values: list[float], scale:
     row: dict = {"quantity": name, "unit": unit} | dict(zip(("coarse", "middle", "fine"), values, strict=True))
     row |= {"limit": tends.value, "order": tends.order, "trust": tends.trust}
     return row | {"bar": tends.error / scale, "distance": abs(values[-1] - tends.value) / scale}
-
-
-def _half_way(run: Result, column: str) -> float:
-    """Mean of a force [N/m] about half of the displacement, over a twentieth of it."""
-    flow, last = run.forces[run.forces.stage == "flow"], run.scene.flow.displacement_m
-    return float(flow.loc[(flow.displacement_m - 0.5 * last).abs() < 0.025 * last, column].mean())
 
 
 def of_statements(output: Path) -> pd.DataFrame:
@@ -170,7 +164,7 @@ def draw_forces(results: dict[str, Result], file: Path) -> None:
     """P, T and N over the displacement of the bottom, a line a grid."""
     figure = new_figure(10.0, 3.4)
     axes = figure.subplots(1, 3)
-    for axis, (force, column) in zip(axes, FORCES.items(), strict=True):
+    for axis, (force, column) in zip(axes, COLUMNS.items(), strict=True):
         for grid, run in results.items():
             flow = run.forces[run.forces.stage == "flow"]
             axis.plot(1e3 * flow.displacement_m, 1e-3 * flow[column], label=_label(grid, run), lw=1.0)

@@ -21,9 +21,9 @@ from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene import fill_shape, memory_need
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import filling, outflow
-from taichi_silo.simulation.discretise import period_of, wave_speed_of
 from taichi_silo.simulation.model import Model
 from taichi_silo.simulation.simulation import STEP_SAFETY, Simulation
+from taichi_silo.simulation.time_scales import period_of, wave_speed_of
 from taichi_silo.utils.messages import counted
 
 SETTLING_PERIODS = 5.0  # until the wall force rests, with noise control

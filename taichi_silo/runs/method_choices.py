@@ -15,8 +15,9 @@ from taichi_silo.scene import cell_sizes, fidelity
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.stress_filter import filter_of
 from taichi_silo.scene.symmetry import half_model
-from taichi_silo.simulation.discretise import noise_control, period_of, rows_of_cells
+from taichi_silo.simulation.discretise import rows_of_cells
 from taichi_silo.simulation.section import Section
+from taichi_silo.simulation.time_scales import noise_control, period_of
 
 TOUCHING = 3.75  # stretch along an axis at which points that keep their domain lose touch (stability map, ugimp)
 

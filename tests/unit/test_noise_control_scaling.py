@@ -6,7 +6,7 @@ import pytest
 
 from taichi_silo.scene.bands import Band
 from taichi_silo.scene.scene import Mesh, Sand, Scene, Silo, Walls
-from taichi_silo.simulation.discretise import grip, noise_control
+from taichi_silo.simulation.time_scales import grip, noise_control
 
 
 @pytest.mark.parametrize(("angle", "held"), [(5.0, 0.0), (30.0, 0.0), (45.0, 1.0), (60.0, 1.0)])

@@ -59,12 +59,15 @@ def numbers(run: Run) -> dict[str, Quantity]:
     result = Result(run.folder)
     found = quantities(result)
     if run.scene.walls.kind == "very-rough":
-        last = run.scene.flow.displacement_m
-        half = (result.forces.stage == "flow") & ((result.forces.displacement_m - 0.5 * last).abs() < 0.025 * last)
-        for force, column in COLUMNS.items():
-            mean = float(result.forces.loc[half, column].mean())
-            found[f"{force}_residual"] = replace(found[f"{force}_residual"], value=mean)
+        for force in COLUMNS:
+            found[f"{force}_residual"] = replace(found[f"{force}_residual"], value=half_way(result, force))
     return found
+
+
+def half_way(run: Result, force: str) -> float:
+    """Mean of P, T or N [N/m] about half of the displacement, over a twentieth of it."""
+    flow, last = run.forces[run.forces.stage == "flow"], run.scene.flow.displacement_m
+    return float(flow.loc[(flow.displacement_m - 0.5 * last).abs() < 0.025 * last, COLUMNS[force]].mean())
 
 
 def truth(rows: list[Row], scene: str) -> dict[str, Truth]:
