@@ -1,6 +1,7 @@
 """The chart: its scenes and dials, errors against the truth, the front, and what it leaves for the named settings."""
 
 import math
+from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
 import pandas as pd
@@ -33,7 +34,7 @@ def test_every_dial_makes_a_scene_and_a_scene_of_the_chart_is_of_its_own_kind(na
     settings = [(row.dial, row.setting) for row in rows]
     assert len(set(settings)) == len(settings), "a dial has a setting twice"
     assert len({row.run.folder for row in rows}) < len(rows), "the base is shared by dials"
-    assert kind(rows[0].run.scene) in (name, None)
+    assert kind(rows[0].run.scene) == name
 
 
 def test_forces_err_over_the_weight_and_a_thickness_over_itself():
@@ -44,6 +45,15 @@ def test_forces_err_over_the_weight_and_a_thickness_over_itself():
     assert told["zone"] == pytest.approx(0.2)
     assert math.isnan(told["wall stress"]), "nothing to compare with"
     assert table.bars(TRUTH)[WORST] == pytest.approx(0.01)
+
+
+def test_half_way_is_about_the_middle_of_the_displacement_and_not_of_the_filling():
+    """Of a force that grows with the displacement it is the half."""
+    u = [0.0] * 50 + [1e-4 * step for step in range(201)]
+    forces = pd.DataFrame({"displacement_m": u, "stage": ["filling"] * 50 + ["flow"] * 201})
+    forces["bottom_force_N_per_m"] = 1e5 * forces["displacement_m"]
+    run = SimpleNamespace(forces=forces, scene=scenes.scene("very-rough dense", {}))
+    assert study.half_way(run, "P") == pytest.approx(1e3)
 
 
 NUMBERS = st.floats(0.1, 100.0).map(lambda x: round(x, 1)) | st.just(math.nan)
