@@ -47,7 +47,7 @@ class Phases:
         """Particles to grid."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
-            step = Step(dt=dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
+            step = Step(dt=dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
                 for turn in range(HALVES):
                     store.scatter(self.scatter_run, 0, 1, step, "all", turn)
@@ -57,7 +57,7 @@ class Phases:
         """Equation of motion of the nodes, on the same sums again and again."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
-            step = Step(dt=0.0 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
+            step = Step(dt=0.0 * dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
                 for j in range(self.s.grid.rows):
                     for i in range(self.s.grid.columns):  # the pass empties them
@@ -80,7 +80,7 @@ class Phases:
         """Grid to particles, with motion and law of the points, on the same nodal velocities again and again."""
         ti.loop_config(serialize=True)
         for _ in range(steps):
-            step = Step(dt=1e-3 * dt, gravity=9.81, plate_velocity=0.0, filling_drag=0.0)
+            step = Step(dt=1e-3 * dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
                 for g in range(self.layout.groups):
                     self.points_run(store, g, 0, step, self.s.grid.velocity)

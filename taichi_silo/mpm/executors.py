@@ -48,14 +48,16 @@ class Step:
     dt: real  # [s]
     gravity: real  # [m/s2]
     plate_velocity: real  # of the moving plates [m/s]
-    filling_drag: real  # [1/s]
+    drag: real  # of the noise control, towards the recent motion [1/s]
+    filling_drag: real  # towards rest [1/s]
 
 
 @ti.func
-def step_at(number, steps, dt, g0, g1, v0, v1, filling_drag):
+def step_at(number, steps, dt, g0, g1, v0, v1, drag, filling_drag):
     """Step `number` of so many, in which gravity goes linearly from g0 to g1, the plate velocity from v0 to v1."""
     part = (number + 0.5) / steps
-    return Step(dt=dt, gravity=g0 + part * (g1 - g0), plate_velocity=v0 + part * (v1 - v0), filling_drag=filling_drag)
+    gravity, velocity = g0 + part * (g1 - g0), v0 + part * (v1 - v0)
+    return Step(dt=dt, gravity=gravity, plate_velocity=velocity, drag=drag, filling_drag=filling_drag)
 
 
 @ti.data_oriented
@@ -115,12 +117,12 @@ class PhaseLoop:
         )
 
     @ti.func
-    def steps(self, store: ti.template(), t, done, count, steps, dt, g0, g1, v0, v1, filling_drag, passed):
+    def steps(self, store: ti.template(), t, done, count, steps, dt, g0, g1, v0, v1, drag, filling_drag, passed):
         """Steps `done` to `done + count` of so many on thread t."""
         first, last = store.points_of(t, self.threads)
         low, high = t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads
         for number in range(count):
-            step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
+            step = step_at(done + number, steps, dt, g0, g1, v0, v1, drag, filling_drag)
             for before, waits, over, run, option, rows in ti.static(self.phases):
                 if ti.static(waits):
                     self.barrier.wait(passed, number * self.waits + before)
@@ -183,8 +185,8 @@ class Threads(Executor):
     @ti.kernel
     def _steps(
         self, done: ti.i32, count: ti.i32, steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real,
-        filling_drag: real, passed: ti.i32,
+        drag: real, filling_drag: real, passed: ti.i32,
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
         for t in range(self.loop.threads):
-            self.loop.steps(self.store, t, done, count, steps, dt, g0, g1, v0, v1, filling_drag, passed)
+            self.loop.steps(self.store, t, done, count, steps, dt, g0, g1, v0, v1, drag, filling_drag, passed)

@@ -75,8 +75,8 @@ def motion_of_node(
         x, y = x + step.dt / m * pressed_x, y + step.dt / m * pressed_y
     if ti.static(control.drag > 0.0 or control.filling_drag > 0.0):
         recent_x, recent_y = grid.recent_velocity(step, j, k, m)
-        braking_x = step.dt * (control.drag * (recent_x - old[0]) - step.filling_drag * old[0])
-        braking_y = step.dt * (control.drag * (recent_y - old[1]) - step.filling_drag * old[1])
+        braking_x = step.dt * (step.drag * (recent_x - old[0]) - step.filling_drag * old[0])
+        braking_y = step.dt * (step.drag * (recent_y - old[1]) - step.filling_drag * old[1])
         x, y = x + braking_x, y + braking_y
         impulses.add_damping(j, k, (m * braking_x, m * braking_y))
     for number, wall in ti.static(enumerate(walls)):

@@ -3,6 +3,7 @@
 The contract, a frozen dataclass of compile-time constants:
 
 `drag`          rate d of a nodal force -m d (v - memory) [1/s]
+`flow_strength` times which it acts once the silo is filled [-]
 `memory_time`   time constant of the exponential mean `memory` of the nodal velocity [s]
 `filling_drag`  rate of an extra force -m d v while the silo is being filled [1/s]
 `relaxation`    rate at which the points' velocities relax to the grid's [1/s]; it removes what the grid cannot see
@@ -28,6 +29,7 @@ class NoiseControl:
     memory_time: float = 0.05
     filling_drag: float = 0.0
     relaxation: float = 0.0
+    flow_strength: float = 1.0
 
     @classmethod
     def for_column(cls, period_s: float, slenderness: float = 1.0, strength: float = 1.0) -> "NoiseControl":
@@ -37,12 +39,12 @@ class NoiseControl:
         and weighs on slow changes as an inertia of one more mass only (drag times memory), so that it neither bends
         the filling nor lags behind the bottom. Friction feeds the mode the more, the rougher the wall and the more wall
         there is for the sand: beyond a height of four widths the drag grows with height over width (`slenderness`);
-        `strength` multiplies it. While the silo is being filled a drag towards rest, an eighth of the usual one, comes
-        on top.
+        `strength` multiplies it in flow. While the silo is being filled a drag towards rest, an eighth of the usual
+        one, comes on top.
         """
         swing = 2.0 * math.pi / period_s
-        drag = 1.28 * swing * max(1.0, 0.25 * slenderness) * strength
-        return cls(drag=drag, memory_time=0.125 * period_s, filling_drag=0.16 * swing, relaxation=0.16 * swing)
+        drag = 1.28 * swing * max(1.0, 0.25 * slenderness)
+        return cls(drag, 0.125 * period_s, 0.16 * swing, 0.16 * swing, strength)
 
     @classmethod
     def for_specimen(cls, period_s: float, cell_transit_s: float) -> "NoiseControl":
@@ -54,3 +56,11 @@ class NoiseControl:
         """
         rate = 0.16 * 2.0 * math.pi / period_s
         return cls(drag=rate, memory_time=2.5 * period_s, relaxation=0.12 / cell_transit_s)
+
+    def rates(self, filling: bool) -> tuple[float, float]:
+        """Of the drag towards the recent motion and of that towards rest, during a fill or after it [1/s]."""
+        return (self.drag, self.filling_drag) if filling else (self.flow_strength * self.drag, 0.0)
+
+    def slows(self) -> float:
+        """How many times as long a slow swing takes in flow, because the drag weighs on it as inertia [-]."""
+        return math.sqrt(1.0 + self.rates(filling=False)[0] * self.memory_time)

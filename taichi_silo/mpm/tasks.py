@@ -96,7 +96,7 @@ class Tasks(Executor):
     @ti.kernel
     def _steps(
         self, done: ti.i32, count: ti.template(), steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real,
-        filling_drag: real,
+        drag: real, filling_drag: real,
     ):  # fmt: skip
         for number in ti.static(range(count)):
             for task in ti.static(self.tasks):
@@ -104,7 +104,7 @@ class Tasks(Executor):
                     ti.loop_config(block_dim=self.by_points)
                     for p in range(self.particles.places()):
                         if self.particles.is_there(p):
-                            step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
+                            step = step_at(done + number, steps, dt, g0, g1, v0, v1, drag, filling_drag)
                             if ti.static(task.runs):
                                 task.run(self.store, p, 0, step, task.option)
                             if ti.static(task.enter):
@@ -112,18 +112,18 @@ class Tasks(Executor):
                 elif ti.static(task.over == NODES):
                     ti.loop_config(block_dim=self.by_nodes)
                     for k in range(self.grid.nodes):
-                        step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
+                        step = step_at(done + number, steps, dt, g0, g1, v0, v1, drag, filling_drag)
                         if ti.static(task.takes):
                             self._take(k, (done + number) % 2, step, task)
                         if ti.static(task.runs):
                             task.run(self.store, k % self.grid.columns, k // self.grid.columns, step, task.option)
                 elif ti.static(task.over == ROWS):
                     for j in range(task.rows or self.grid.rows):
-                        step = step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag)
+                        step = step_at(done + number, steps, dt, g0, g1, v0, v1, drag, filling_drag)
                         task.run(self.store, j, step, task.option)
                 else:
                     for t in range(1):
-                        self.grid.follow(t, step_at(done + number, steps, dt, g0, g1, v0, v1, filling_drag))
+                        self.grid.follow(t, step_at(done + number, steps, dt, g0, g1, v0, v1, drag, filling_drag))
 
     @ti.func
     def _take(self, k, turn, step, task: ti.template()):

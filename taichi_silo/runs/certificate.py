@@ -57,8 +57,9 @@ def _steady_measures(flow: pd.DataFrame, simulation: Simulation) -> dict:
     steady = flow[flow.time_s > (simulation.clock.flow_start or 0.0) + STEADY_AFTER_PERIODS * period]
     if len(steady) < 2 * MEAN_SPAN_PERIODS * period / flow.interval_s.median():
         return {}
-    # means over a period: the control answers single oscillations by design
-    control = _rolling(steady.noise_control_force_N_per_m, steady.interval_s, period).abs() / weight
+    # means over a swing as long as it is under the control, which answers single swings by design
+    swing = period * simulation.model.control.slows()
+    control = _rolling(steady.noise_control_force_N_per_m, steady.interval_s, swing).abs() / weight
     rigid = 0.5 * simulation.model.mass * simulation.scene.flow.speed_m_per_s**2
     energy = steady.kinetic_energy_J_per_m / rigid
     moving: dict[str, float | list[float]] = {}

@@ -130,9 +130,9 @@ class Simulation:
         if model.scene.walls.bands and model.scene.silo.floor_is_outlet:  # they stand still while the grid sinks
             wall_friction.place(model.walls, model.scene.walls, model.grid, self.origin_m + 0.5 * interval.travel)
         steps, clock.step = self._steps(interval, before)
-        held, drag = self.held_mass, model.control.filling_drag if clock.stage == "filling" else 0.0
+        held = self.held_mass
         begun = time.perf_counter()
-        solver.advance(steps, clock.step, gravity, interval.plate_velocity, drag)
+        solver.advance(steps, clock.step, gravity, interval.plate_velocity, clock.stage == "filling")
         runtime.wait()
         clock.stepping_seconds += time.perf_counter() - begun
         impulse, control, after = solver.record()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from taichi_silo.mpm import runtime
+from taichi_silo.mpm.frozen import replaced
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.scene import sands
 from taichi_silo.scene.published_sands import published
@@ -76,7 +77,7 @@ def test_between_very_rough_walls_twice_its_strength_changes_nothing(monkeypatch
 
     def doubled(*args):
         control = usual(*args)
-        return NoiseControl(2.0 * control.drag, control.memory_time, 2.0 * control.filling_drag, control.relaxation)
+        return replaced(control, drag=2.0 * control.drag, filling_drag=2.0 * control.filling_drag)
 
     monkeypatch.setattr(NoiseControl, "for_column", doubled)
     twice, _, _ = filled_and_flowing(None, until=0.0005)

@@ -101,16 +101,16 @@ def trough(angle_deg, cell, along_axis=2, height=1.0, foot=0.8):
         PlaneWall("left", 0, -1, grid.node_along(0.0), Coulomb()),
         PlaneWall("floor", 1, -1, grid.node_along(0.0), Coulomb()),
     )
+    c = math.sqrt(bulk / DENSITY)
     body = solver(
         particles, grid, UniformGimp(0.5 / along_axis), Elastic(3.0 * bulk * (1.0 - 2.0 * poisson), poisson), walls,
-        control=NoiseControl(filling_drag=1.0, relaxation=20.0),
+        control=NoiseControl(filling_drag=0.5 * math.pi * c / height, relaxation=20.0),
         surfaces=(Surface("inclined", ((foot, 0.0), tuple(top)), Coulomb()),),
     )  # fmt: skip
-    c = math.sqrt(bulk / DENSITY)
-    dt, drag = 0.2 * cell / c, 0.5 * math.pi * c / height
-    body.advance(6000, dt, gravity=(G, G), filling_drag=drag)
+    dt = 0.2 * cell / c
+    body.advance(6000, dt, gravity=(G, G), filling=True)
     body.impulses.read_and_reset()
-    body.advance(2000, dt, gravity=(G, G), filling_drag=drag)
+    body.advance(2000, dt, gravity=(G, G), filling=True)
     force = body.impulses.read_and_reset()[0] / (2000 * dt)
     normal = force[2] @ np.array([-math.cos(angle), math.sin(angle)])
     normal = np.concatenate([[normal[: MARGIN + 1].sum()], normal[MARGIN + 1 :]])  # nodes below share with the lowest

@@ -2,8 +2,10 @@
 
 import math
 
+import numpy as np
 import pytest
 
+from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.scene.bands import Band
 from taichi_silo.scene.scene import Mesh, Sand, Scene, Silo, Walls
 from taichi_silo.simulation.time_scales import grip, noise_control
@@ -32,13 +34,27 @@ def test_on_few_cells_the_drag_is_no_stronger_than_a_step_allows():
     """An explicit drag of a tenth in a step leaves the stable step nearly as it is; four times as much makes energy."""
     few = Scene(silo=Silo(height_m=0.4), grid=Mesh(cell_size_m=0.05))
     smooth = few.model_copy(update={"walls": Walls(kind="smooth", friction_angle_deg=20.0)})
-    assert noise_control(few, 0.02).drag == noise_control(smooth, 0.02).drag
+    assert noise_control(few, 0.02) == noise_control(smooth, 0.02)
 
 
-def test_very_rough_walls_get_four_times_the_drag_of_smooth_ones_and_a_column_of_eight_widths_twice():
+def test_in_flow_very_rough_walls_get_four_times_the_drag_of_smooth_ones_and_a_column_of_eight_widths_twice():
     smooth, rough = (noise_control(Scene(walls=walls), 0.02) for walls in (
         Walls(kind="smooth", friction_angle_deg=20.0), Walls()))  # fmt: skip
-    assert rough.drag == pytest.approx(4.0 * smooth.drag)
-    assert (rough.memory_time, rough.filling_drag) == (smooth.memory_time, smooth.filling_drag)
+    assert rough.rates(filling=False) == pytest.approx((4.0 * smooth.drag, 0.0))
+    assert rough.rates(filling=True) == smooth.rates(filling=True), "a fill is the same"
     high = Scene(silo=Silo(height_m=1.6), walls=Walls(kind="smooth", friction_angle_deg=20.0))
     assert noise_control(high, 0.02).drag == pytest.approx(2.0 * smooth.drag)
+
+
+def test_drag_towards_the_recent_mean_weighs_on_a_slow_swing_as_inertia():
+    """With m x'' = -k x - m d (x' - mean), for a period well above the memory: T = T_0 sqrt(1 + d tau)."""
+    control = NoiseControl(drag=1000.0, memory_time=0.001, flow_strength=3.0)
+    mean, x, v, dt, crossings = 0.0, 1.0, 0.0, 1e-5, []
+    for step in range(60000):
+        a = -((2.0 * math.pi / 0.1) ** 2) * x - control.rates(filling=False)[0] * (v - mean)
+        mean += dt / control.memory_time * (v - mean)
+        v += dt * a
+        if x * (x + dt * v) < 0.0:
+            crossings.append(step * dt)
+        x += dt * v
+    assert 2.0 * np.diff(crossings).mean() == pytest.approx(0.1 * control.slows(), rel=0.02)

@@ -51,12 +51,11 @@ def column_stress_error(shape, cells: int = 20, per_axis: int = 2, sinking: floa
         PlaneWall("right", 0, 1, grid.node_along(WIDTH), Coulomb()),
         PlaneWall("floor", 1, -1, grid.node_along(0.0), Coulomb()),
     )
-    control = NoiseControl(filling_drag=1.0)
-    body = solver(particles, grid, shape, law, walls, control=control, filtering=filtering)
     c = math.sqrt(law.young_modulus_Pa / DENSITY)
-    drag, steps = 0.5 * math.pi * c / HEIGHT, 300 * cells
+    control = NoiseControl(filling_drag=0.5 * math.pi * c / HEIGHT)
+    body = solver(particles, grid, shape, law, walls, control=control, filtering=filtering)
     for gravity in ((0.0, G), (G, G)):
-        body.advance(steps, 0.1 * cell / c, gravity=gravity, filling_drag=drag)
+        body.advance(300 * cells, 0.1 * cell / c, gravity=gravity, filling=True)
     found = particles.arrays()
     error = found["stress"][:, 1] + DENSITY * G * (HEIGHT - start)
     sunk = start.max() - found["position"][:, 1].max()

@@ -212,9 +212,10 @@ class Simd(Executor):
     @ti.kernel
     def _steps(
         self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, done: ti.i32, count: ti.i32,
-        steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real, filling_drag: real, passed: ti.i32,
+        steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real, drag: real, filling_drag: real,
+        passed: ti.i32,
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
         for t in range(self.loop.threads):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):  # known while this is compiled
-                self.loop.steps(store, t, done, count, steps, dt, g0, g1, v0, v1, filling_drag, passed)
+                self.loop.steps(store, t, done, count, steps, dt, g0, g1, v0, v1, drag, filling_drag, passed)
