@@ -1,13 +1,14 @@
 """The very rough model silo with the sand's own length resolved: what its numbers are, and what they tend to.
 
-The paper's mass flow of dense sand, whose bottom sinks by 20 mm, with l_c = 3 d50 = 1.5 mm on cells of 2.5, 2 and 1.54
-mm; beside them the paper's own cells of 5 mm, on which the law is local, and, on cells of 2.5 mm, walls that are left
-out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s, the mean goes by a grid.
+The paper's mass flows of dense and of loose sand, whose bottom sinks by 20 mm, with l_c = 3 d50 = 1.5 mm on cells of
+2.5, 2 and 1.54 mm; beside them the paper's own cells of 5 mm, on which the law is local, and, with dense sand on cells
+of 2.5 mm, walls that are left out of the non-local mean. Half of the silo is computed, the bottom sinks at 8 mm/s, the
+mean goes by a grid.
 
-Leaves the runs (`cells-130/dense_very-rough_bottom`, ...; a film of the dense one on the finest cells),
-`resolved_runs.csv` (a row a run), `resolved_limits.csv` (what the three grids tend to, with error bars),
-`resolved_statements.csv` (the statements of the paper on both grids), and figures. Cost: an hour of one core, 23
-minutes of it for the finest cells; what has ended is kept.
+Leaves the runs (`cells-130/dense_very-rough_bottom`, ...; films of those on the finest cells), `resolved_runs.csv` (a
+row a run), `resolved_limits.csv` (what the three grids tend to, with error bars), `resolved_statements.csv` (the
+statements of the paper on both grids), and figures. Cost: two hours of one core, 23 minutes of it for the finest cells
+of either sand; what has ended is kept.
 """
 
 import sys
@@ -30,6 +31,7 @@ from taichi_silo.studies.run_all import run_all
 from taichi_silo.studies.sweep.runs import Run
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # as a plain script, too
+from validation.accuracy.scenes import DENSITIES  # noqa: E402
 from validation.accuracy.study import COLUMNS, half_way  # noqa: E402
 from validation.paper.check import evaluate  # noqa: E402
 
@@ -37,7 +39,7 @@ BASE = {
     "silo.half": "yes", "flow.speed_m_per_s": 0.008, "flow.displacement_m": 0.02,
     "averaging.characteristic_length_m": 0.0015, "machine.threads": 1,
 }  # fmt: skip
-CASE = "dense_very-rough_bottom"  # as the paper's flow is called
+SANDS = ("dense", "loose")
 PAPERS, RESOLVED = 40, (80, 100, 130)  # cells across
 FINEST = RESOLVED[-1]
 CELL_M = {40: 0.005, 80: 0.0025, 100: 0.002, 130: 0.00153846154}
@@ -64,23 +66,23 @@ def resolved_silo(
         draw_profiles(results, output / "resolved_profiles.png")
 
 
-def planned(output: Path) -> dict[str, Run]:
-    """The runs by the name of their grid."""
+def planned(output: Path) -> dict[tuple[str, str], Run]:
+    """The runs by sand and by the name of their grid; the folder of each is named as the paper's flow."""
+    kinds = [(sand, f"cells-{cells}", CELL_M[cells], "rigid") for sand in SANDS for cells in (PAPERS, *RESOLVED)]
     found = {}
-    for cells in (PAPERS, *RESOLVED):
-        scene = changed(Scene(), BASE | {"grid.cell_size_m": CELL_M[cells]})
-        found[f"cells-{cells}"] = Run(scene, output / f"cells-{cells}" / CASE, film=cells == FINEST)
-    values = BASE | {"grid.cell_size_m": CELL_M[80], "averaging.wall": "ignored"}
-    found[LEFT_OUT] = Run(changed(Scene(), values), output / LEFT_OUT / CASE, film=False)
+    for sand, grid, cell, wall in (*kinds, ("dense", LEFT_OUT, CELL_M[80], "ignored")):
+        own = {"sand.void_ratio": DENSITIES[sand], "grid.cell_size_m": cell, "averaging.wall": wall}
+        folder = output / grid / f"{sand}_very-rough_bottom"
+        found[sand, grid] = Run(changed(Scene(), BASE | own), folder, film=grid == f"cells-{FINEST}")
     return found
 
 
-def of_runs(results: dict[str, Result]) -> pd.DataFrame:
+def of_runs(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
     """A row a run: forces [kN/m], angle [degrees], wall stress in the middle [kPa], zones [mm], cost [core hours]."""
     rows = []
-    for grid, run in results.items():
+    for (sand, grid), run in results.items():
         found, summary = quantities(run), run.summary
-        row = {"grid": grid, "cells_mm": 1e3 * run.scene.grid.cell_size_m}
+        row = {"sand": sand, "grid": grid, "cells_mm": 1e3 * run.scene.grid.cell_size_m}
         row |= {f"{force}_half_way": 1e-3 * half_way(run, force) for force in COLUMNS}
         for state in ("filled", "residual"):
             row |= {f"{force}_{state}": 1e-3 * found[f"{force}_{state}"].value for force in "PTN"}
@@ -96,20 +98,23 @@ def of_runs(results: dict[str, Result]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def of_limits(results: dict[str, Result]) -> pd.DataFrame:
+def of_limits(results: dict[tuple[str, str], Result]) -> pd.DataFrame:
     """What the grids tend to: values, limit, error bar, and distance of the finest; over the measure of each.
 
-    Forces also half way, where zones have not softened yet.
+    Forces also half way, where zones have not softened yet. A zone that not all grids have has no limit.
     """
-    runs = [results[f"cells-{cells}"] for cells in RESOLVED]
-    cells, found = [run.scene.grid.cell_size_m for run in runs], [quantities(run) for run in runs]
     rows = []
-    for name in TOLD:
-        scale = found[-1][name].scale
-        rows.append(_limit(name, found[-1][name].unit, cells, [one[name].value for one in found], scale))
-    weight = runs[-1].summary["weight_N_per_m"]
-    for force in COLUMNS:
-        rows.append(_limit(f"{force}_half_way", "N/m", cells, [half_way(run, force) for run in runs], weight))
+    for sand in SANDS:
+        runs = [results[sand, f"cells-{cells}"] for cells in RESOLVED]
+        cells, found = [run.scene.grid.cell_size_m for run in runs], [quantities(run) for run in runs]
+        for name in (one for one in TOLD if all(one in numbers for numbers in found)):
+            scale = found[-1][name].scale
+            values = [one[name].value for one in found]
+            rows.append({"sand": sand} | _limit(name, found[-1][name].unit, cells, values, scale))
+        weight = runs[-1].summary["weight_N_per_m"]
+        for force in COLUMNS:
+            values = [half_way(run, force) for run in runs]
+            rows.append({"sand": sand} | _limit(f"{force}_half_way", "N/m", cells, values, weight))
     return pd.DataFrame(rows)
 
 
@@ -122,7 +127,7 @@ def _limit(name: str, unit: str, cells: list[float], values: list[float], scale:
 
 
 def of_statements(output: Path) -> pd.DataFrame:
-    """The paper's statements on this flow, on its own cells and on the finest."""
+    """The paper's statements on these flows, on its own cells and on the finest."""
     coarse, fine = (evaluate(output / f"cells-{cells}") for cells in (PAPERS, FINEST))
     both = coarse.merge(fine, on=["id", "section", "statement", "paper"], suffixes=("_5_mm", "_resolved"))
     judged = both["agrees_5_mm"].isin(("yes", "partly", "no")) | both["agrees_resolved"].isin(("yes", "partly", "no"))
@@ -160,33 +165,37 @@ def _label(grid: str, run: Result) -> str:
     return f"{cells}, walls left out" if grid == LEFT_OUT else cells
 
 
-def draw_forces(results: dict[str, Result], file: Path) -> None:
-    """P, T and N over the displacement of the bottom, a line a grid."""
-    figure = new_figure(10.0, 3.4)
-    axes = figure.subplots(1, 3)
-    for axis, (force, column) in zip(axes, COLUMNS.items(), strict=True):
-        for grid, run in results.items():
-            flow = run.forces[run.forces.stage == "flow"]
+def draw_forces(results: dict[tuple[str, str], Result], file: Path) -> None:
+    """P, T and N over the displacement of the bottom, a row a sand, a line a grid."""
+    figure = new_figure(10.0, 3.2 * len(SANDS))
+    axes = figure.subplots(len(SANDS), len(COLUMNS), sharex=True)
+    for (sand, grid), run in results.items():
+        flow = run.forces[run.forces.stage == "flow"]
+        for axis, (force, column) in zip(axes[SANDS.index(sand)], COLUMNS.items(), strict=True):
             axis.plot(1e3 * flow.displacement_m, 1e-3 * flow[column], label=_label(grid, run), lw=1.0)
-        axis.set_ylabel(f"{force} (kN/m)")
+            axis.set_ylabel(f"{force}, {sand} sand (kN/m)")
+    for axis in axes[-1]:
         axis.set_xlabel("way of the bottom (mm)")
-    axes[1].legend()
+    axes[0, 1].legend()
     figure.savefig(file, dpi=150)
 
 
-def draw_profiles(results: dict[str, Result], file: Path) -> None:
-    """Way downwards and void ratio from the wall to the middle, a line a grid."""
-    figure = new_figure(9.0, 3.6)
-    for axis, (name, label) in zip(
-        figure.subplots(1, 2), (("way_mm", "way downwards (mm)"), ("void_ratio", "void ratio (-)")), strict=True
-    ):
-        for grid, run in results.items():
-            profile = across(run)
-            left = profile[profile["x_mm"] < 500.0 * run.scene.silo.width_m]
+def draw_profiles(results: dict[tuple[str, str], Result], file: Path) -> None:
+    """Way downwards and void ratio from the wall to the middle, a row a sand, a line a grid."""
+    figure = new_figure(9.0, 3.4 * len(SANDS))
+    axes = figure.subplots(len(SANDS), 2, sharex=True)
+    for (sand, grid), run in results.items():
+        profile, row = across(run), axes[SANDS.index(sand)]
+        left = profile[profile["x_mm"] < 500.0 * run.scene.silo.width_m]
+        for axis, (name, label) in zip(
+            row, (("way_mm", "way downwards (mm)"), ("void_ratio", "void ratio (-)")), strict=True
+        ):
             axis.plot(left["x_mm"], left[name], label=_label(grid, run), lw=1.0)
+            axis.set_ylabel(label)
+        row[0].set_title(f"{sand} sand", loc="left")
+    for axis in axes[-1]:
         axis.set_xlabel("distance from the wall (mm)")
-        axis.set_ylabel(label)
-        axis.legend()
+    axes[0, 1].legend()
     figure.savefig(file, dpi=150)
 
 

@@ -4,16 +4,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from validation.resolved_silo import FINEST, LEFT_OUT, planned, sheared_mm
+from validation.resolved_silo import FINEST, LEFT_OUT, SANDS, planned, sheared_mm
 
 
 def test_the_finest_cells_are_no_larger_than_the_sands_length_and_all_resolve_it(tmp_path):
     runs = planned(tmp_path)
-    lengths = {grid: run.scene.grid.cell_size_m / run.scene.characteristic_length_m for grid, run in runs.items()}
-    assert lengths[f"cells-{FINEST}"] == pytest.approx(1.0, abs=0.03)
-    assert lengths[LEFT_OUT] == lengths["cells-80"]
-    acts = {grid: run.scene.averaging.kernel(0.0015, run.scene.spacing_m)[0] for grid, run in runs.items()}
-    assert "cells-40" in [grid for grid, kernel in acts.items() if kernel is None], "the paper's own, of 5 mm"
+    lengths = {name: run.scene.grid.cell_size_m / run.scene.characteristic_length_m for name, run in runs.items()}
+    acts = {name: run.scene.averaging.kernel(0.0015, run.scene.spacing_m)[0] for name, run in runs.items()}
+    for sand in SANDS:
+        assert lengths[sand, f"cells-{FINEST}"] == pytest.approx(1.0, abs=0.03)
+        assert acts[sand, "cells-40"] is None, "the paper's own, of 5 mm"
+    assert lengths["dense", LEFT_OUT] == lengths["dense", "cells-80"]
+    assert {run.scene.sand.loose for (sand, _), run in runs.items() if sand == "loose"} == {True}
 
 
 @pytest.mark.parametrize("width", [4.0, 12.0])

@@ -31,21 +31,19 @@ def _walls(kind: str, density: str) -> Settings:
     return {"sand.void_ratio": DENSITIES[density]} | own
 
 
-SCENES: dict[str, Settings] = (
-    {f"{kind} {density}": _walls(kind, density) for kind in ("smooth", "rough") for density in DENSITIES}
-    | {"very-rough dense": _walls("very-rough", "dense")}
-    | {
-        f"{shape} dense": _walls("smooth", "dense") | parts
-        for shape, parts in {
-            "outlet": {"silo.outlet.width_m": 0.08},
-            "hopper": {"silo.hopper.half_angle_deg": 20.0, "silo.hopper.outlet_width_m": 0.08},
-            "insert": {
-                "silo.outlet.width_m": 0.08,
-                "silo.inserts": ({"kind": "roof", "width_m": 0.06, "bottom_m": 0.10},),
-            },
-        }.items()
-    }
-)
+SCENES: dict[str, Settings] = {
+    f"{kind} {density}": _walls(kind, density) for kind in ("smooth", "rough", "very-rough") for density in DENSITIES
+} | {
+    f"{shape} dense": _walls("smooth", "dense") | parts
+    for shape, parts in {
+        "outlet": {"silo.outlet.width_m": 0.08},
+        "hopper": {"silo.hopper.half_angle_deg": 20.0, "silo.hopper.outlet_width_m": 0.08},
+        "insert": {
+            "silo.outlet.width_m": 0.08,
+            "silo.inserts": ({"kind": "roof", "width_m": 0.06, "bottom_m": 0.10},),
+        },
+    }.items()
+}
 
 
 def scene(name: str, settings: Settings) -> Scene:
