@@ -55,7 +55,7 @@ class CellLists:
         self.first_of_crowd = whole_numbers(shape.PATCHES, particles.count)
 
     def _room(self) -> int:
-        place = self.particles.array("position") / self.grid.cell_size
+        place = self.particles.array("position") / (self.grid.cell_size, self.grid.first_cell_height)
         place = place[np.isfinite(place).all(axis=1)]
         most = np.unique(np.floor(place), axis=0, return_counts=True)[1].max(initial=1)
         return min(2 * int(most) + 4, MOST_ROOM)

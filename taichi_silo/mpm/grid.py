@@ -9,7 +9,7 @@ MARGIN = 2  # nodes beyond the sand on every side: a domain that reaches through
 
 @ti.data_oriented
 class Grid:
-    """Square cells over a box [0, width] x [0, height], node (i, j) at ((i - MARGIN) h, (j - MARGIN) h).
+    """Cells over a box [0, width] x [0, height], node (i, j) at ((i - MARGIN) h, (j - MARGIN) times their height).
 
     The grid may be laid anew in each step, so its origin follows the bottom plate of a silo, or its height the top
     plate of a specimen; no field here outlives a step but `memory` and `stretch`.
@@ -30,12 +30,13 @@ class Grid:
     Parameters
     ----------
     width_m, height_m : size of the box that sand may fill.
-    cell_size_m : h.
+    cell_size_m : h, their width.
     copies : number of copies of the three sums.
     follows : "bottom": the grid rides on the plate; "top": its height follows the plate, y = 0 stands still;
         "surface": its height follows the free nodes at y = height; "nothing".
     periodic : whether column `width / h` is column 0 again.
     open_sides : whether sand may leave beside the box, as it may below it.
+    cell_height_m : of a cell; that of a square if absent. It should be nearly that.
 
     """
 
@@ -43,16 +44,17 @@ class Grid:
 
     def __init__(
         self, width_m: float, height_m: float, cell_size_m: float, copies: int = 1, follows: str = "bottom",
-        periodic: bool = False, open_sides: bool = False,
+        periodic: bool = False, open_sides: bool = False, cell_height_m: float | None = None,
     ):  # fmt: skip
         if follows not in self.FOLLOWS:
             raise ValueError(f"follows is {follows!r}; it must be one of {', '.join(self.FOLLOWS)}")
         if follows == "surface" and not periodic:
             raise ValueError("a grid that follows the surface must be periodic: its first column must hold sand")
         self.cell_size, self.height = cell_size_m, height_m
+        self.first_cell_height = cell_size_m if cell_height_m is None else cell_height_m
         self.follows, self.periodic, self.open_sides = follows, periodic, open_sides
         self.columns = round(width_m / cell_size_m) + (0 if periodic else 1 + 2 * MARGIN)
-        self.top = round(height_m / cell_size_m) + MARGIN
+        self.top = round(height_m / self.first_cell_height) + MARGIN
         self.rows = self.top + 1 + MARGIN
         self.nodes = self.columns * self.rows
         self.copies = copies
@@ -87,7 +89,7 @@ class Grid:
         put(self.stretch, 1.0)
 
     def node_along(self, position_m: float) -> int:
-        """Index, along its axis, of the node at a coordinate.
+        """Index of the node at a coordinate, along the floor or, where cells are square, a side.
 
         Raises
         ------
@@ -116,9 +118,9 @@ class Grid:
     @ti.func
     def cell_height(self, t):
         """Height of a cell [m]."""
-        height = self.cell_size
+        height = self.first_cell_height
         if ti.static(self.follows in ("top", "surface")):
-            height = self.cell_size * self.stretch[t]
+            height = self.first_cell_height * self.stretch[t]
         return height
 
     @ti.func

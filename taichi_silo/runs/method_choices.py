@@ -93,8 +93,8 @@ def cell_size(scene: Scene) -> Part:
     narrow = cell_sizes.narrowest_m(silo)
     why = "Not given, so chosen to fit" if scene.grid.chosen else "As given"
     because = (
-        f"{why}: {round(silo.width_m / h)} cells across, {round(silo.height_m / h)} along the height, "
-        f"{narrow / h:.3g} across the outlet."
+        f"{why}: {round(silo.width_m / h)} cells across, {round(silo.height_m / scene.cell_height_m)} along the "
+        f"height, {narrow / h:.3g} across the outlet."
     )
     return Part("cell size", f"{1e3 * h:.6g} mm", because, "--cell-size")
 

@@ -1,4 +1,7 @@
-"""Sizes of square cells that fit a silo: they divide its width and height, and the outlet's edges lie on the grid."""
+"""Sizes of cells that fit a silo: they divide its width, and the edges of outlets lie on the grid.
+
+The height need not be whole cells as long as they are wide: they are a little lower or higher then (`height_m`).
+"""
 
 import math
 from typing import TYPE_CHECKING
@@ -14,7 +17,8 @@ ACROSS = 40  # cells across a silo, where nobody says how many
 USUAL = (20, 80)  # cells across, between which a default size stays if it fits
 TEN = 10  # fewest along the height, and fewest that should cross an opening (`known_limits.py`)
 RANGE = 4.0  # how many times more or fewer cells than wanted may be taken to fit
-NAMED = 3  # sizes in a sentence
+NAMED, DIGITS = 3, 4  # sizes in a sentence, and the digits that it takes readily
+FOR_SQUARES = 1.5  # times more or fewer cells are taken for square ones
 MOST = 2000  # cells across that are looked at
 TOLERANCE = 1e-6  # of a cell: what counts as whole
 
@@ -49,14 +53,36 @@ def narrowest_m(silo: "Silo") -> float:
 
 def dividing(silo: "Silo", most: float) -> np.ndarray:
     """Sizes [m], the largest first, that fit a silo, with at most so many cells across, and two or more each way."""
-    wide, high = silo.width_m, silo.height_m
     counts = np.arange(2, max(2, min(MOST, math.ceil(most))) + 1)
     counts = counts[counts % 2 == 0] if silo.section == "round" else counts  # the axis is a line of the grid
-    sizes = wide / counts
-    fits = whole(high, sizes) & (np.round(high / sizes) >= 2) & (narrowest_m(silo) >= 2.0 * sizes * (1.0 - 1e-9))
+    sizes = silo.width_m / counts
+    fits = (np.round(silo.height_m / sizes) >= 2) & (narrowest_m(silo) >= 2.0 * sizes * (1.0 - 1e-9))
     for edge in edges(silo):
         fits &= whole(edge, sizes)
-    return sizes[fits]
+    return sizes[fits & (whole(silo.height_m, sizes) | (not square(silo)))]
+
+
+def square(silo: "Silo") -> bool:
+    """Whether cells must be square: an outlet in a side wall has its edges on the grid, too."""
+    return any(not one.in_floor for one in silo.openings)
+
+
+def height_m(silo: "Silo", size_m: float) -> float:
+    """Height of cells of a size [m]: that of the silo over as many rows as squares would make, to the nearest."""
+    return size_m if whole(silo.height_m, size_m) else silo.height_m / max(1, round(silo.height_m / size_m))
+
+
+def squares(silo: "Silo", sizes: np.ndarray) -> np.ndarray:
+    """Of some sizes those that divide the height as well, which makes square cells; all of them if none does."""
+    found = sizes[whole(silo.height_m, sizes)]
+    return found if len(found) else sizes
+
+
+def coarsest(silo: "Silo", across: float, most: float) -> float | None:
+    """The largest size [m] with at least so many cells across, if one has; with more for squares."""
+    sizes = dividing(silo, most)
+    sizes = sizes[silo.width_m / sizes >= across * (1.0 - 1e-9)]
+    return float(squares(silo, sizes[sizes > sizes[0] / FOR_SQUARES])[0]) if len(sizes) else None
 
 
 def chosen(silo: "Silo", default_m: float) -> float:
@@ -65,24 +91,29 @@ def chosen(silo: "Silo", default_m: float) -> float:
     The default, if it fits and makes 20 to 80 cells across; else the one that makes about 40, or ten rows if that is
     more; one that does not fit if none does.
     """
-    across, wanted = silo.width_m / default_m, wanted_across(silo)
+    across = silo.width_m / default_m
     near = USUAL[0] - TOLERANCE <= across <= USUAL[1] + TOLERANCE
-    sizes = dividing(silo, RANGE * max(wanted, across if near else 0.0))
-    if near and (np.abs(sizes / default_m - 1.0) < TOLERANCE).any():
+    if near and (np.abs(dividing(silo, across) / default_m - 1.0) < TOLERANCE).any():
         return default_m
-    fitting = nearest(silo, wanted)
+    fitting = nearest(silo, wanted_across(silo))
     if fitting is None:
         return default_m if near else float(f"{silo.width_m / ACROSS:.2g}")
     return fitting
 
 
 def nearest(silo: "Silo", across: float) -> float | None:
-    """The size [m] that fits and makes nearest to so many cells across; None if none within a factor of four fits."""
+    """The size [m] that makes nearest to so many cells across; None if none within a factor of four fits."""
+
+    def off(sizes: np.ndarray) -> np.ndarray:
+        return np.abs(np.log(silo.width_m / sizes / across))
+
     sizes = dividing(silo, RANGE * across)
-    sizes = sizes[silo.width_m / sizes >= across / RANGE]
+    sizes = sizes[off(sizes) <= math.log(RANGE) + TOLERANCE]
     if not len(sizes):
         return None
-    return short(silo, float(min(sizes, key=lambda size: abs(math.log(silo.width_m / size / across)))))
+    close = sizes[off(sizes) <= math.log(FOR_SQUARES) + TOLERANCE]
+    sizes = squares(silo, close) if len(close) else sizes
+    return short(silo, float(sizes[np.argmin(off(sizes))]))
 
 
 def wanted_across(silo: "Silo") -> float:
@@ -91,30 +122,33 @@ def wanted_across(silo: "Silo") -> float:
 
 
 def remedy(silo: "Silo", size_m: float) -> str:
-    """The sizes that fit nearest to one that does not, the largest first, in words; or which silo it would fit."""
-    near = sorted(dividing(silo, MOST), key=lambda size: abs(math.log(size / size_m)))[:NAMED]
+    """The sizes that fit nearest to one that does not, the largest first, in words; or where edges would fit."""
+
+    def awkward(size: float) -> tuple[bool, float]:
+        many = len(f"{size:.12g}".replace(".", "").strip("0")) > DIGITS
+        return many, abs(math.log(size / size_m))
+
+    fitting = sorted(dividing(silo, MOST), key=lambda size: abs(math.log(size / size_m)))
+    near = sorted({short(silo, float(size)) for size in fitting[: 10 * NAMED]}, key=awkward)[:NAMED]
     if not near:
         return _others(silo, size_m)
-    words = [f"{short(silo, float(size)):.12g}" for size in sorted(near, reverse=True)]
+    words = [f"{size:.12g}" for size in sorted(near, reverse=True)]
     return f"{' or '.join(filter(None, [', '.join(words[:-1]), words[-1]]))} m would do"
 
 
 def _others(silo: "Silo", size_m: float) -> str:
-    """The silo nearest to one that no square cells fit, for cells of about a size, in words."""
-    least = 4.0 if silo.section == "round" else 2.0
-    size = float(f"{min(size_m, silo.width_m / least, silo.height_m / 2.0):.2g}")
-    step = size * (2.0 if silo.section == "round" else 1.0)
-    wide, high = max(1, round(silo.width_m / step)) * step, max(2, round(silo.height_m / size)) * size
-    outlet = " with the outlet's edges on its grid" if edges(silo) else ""
-    return (
-        f"no square cells fit a width of {silo.width_m:.10g} m and a height of {silo.height_m:.10g} m, but cells of "
-        f"{size:.6g} m fit a silo {wide:.6g} m wide and {high:.6g} m high{outlet}"
-    )
+    """Where edges would have to be that cells of about a size meet, in words."""
+    step = 2 if silo.section == "round" else 1
+    count = max(2 * step, step * round(silo.width_m / size_m / step))
+    size = silo.width_m / count
+    are, could = (", ".join(f"{place:.9g}" for place in places) for places in (
+        edges(silo), (round(edge / size) * size for edge in edges(silo))))  # fmt: skip
+    return f"no cells have lines at {are} m, but cells of {size:.9g} m have lines at {could} m"
 
 
 def short(silo: "Silo", size_m: float) -> float:
     """The size with the fewest digits that still fits a silo, as one does."""
-    lengths = (silo.width_m, silo.height_m, *edges(silo))
+    lengths = [one for one in (silo.width_m, silo.height_m, *edges(silo)) if whole(one, size_m)]
     for digits in range(2, 16):
         less = float(f"{size_m:.{digits}g}")
         if all(whole(one, less) and round(one / less) == round(one / size_m) for one in lengths):

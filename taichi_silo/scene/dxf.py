@@ -20,7 +20,7 @@ class Drawn:
     Attributes
     ----------
     silo : the silo.
-    cell_size_m : size of square cells that fit it.
+    cell_size_m : size of cells that fit it.
     lines : all closed lines, in the order of their numbers, in the drawing's place [m].
     number : of the one that is the inside, from 1.
     bodies : numbers of those that are bodies.
@@ -103,7 +103,7 @@ def read_drawing(
     if not (given or plausible):
         raise BadInput(f"unit is {unit}, {known}; {doubt}")
     head = words.of_taken(taken, len(lines), silo, unit, known)
-    silo, cell, of_grid = grid.fitted(silo)
+    cell, of_grid = grid.fitted(silo)
     said = [head, *taken.words, *words.of_rest(found, unused, axes, mended), *([doubt] if doubt else []), of_grid]
     bodies = tuple(number for number, one in enumerate(lines, 1) if any(one is body for body in taken.bodies))
     return Drawn(silo, cell, tuple(lines), taken.number, bodies, tuple(f"{one[:1].upper()}{one[1:]}." for one in said))

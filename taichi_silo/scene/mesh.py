@@ -21,8 +21,8 @@ class Mesh(Options):
         0.005,
         ge=1e-5,
         le=100,
-        description="size of a cell of the grid; it divides width and height; where a scene lacks it and the default "
-        "does not fit, about 40 cells go across",
+        description="size of a cell of the grid; it divides the width; where a scene lacks it and the default does not "
+        "fit, about 40 cells go across",
     )
     points_per_cell: int = Field(1, description="points in a cell at the start, a square number: 1, 4, 9, ...")
     shape: Shape = Field("ugimp", description="shape functions")
@@ -60,9 +60,11 @@ class Mesh(Options):
                     f"cell size is {h} m; it makes {cells:.4g} cells along the {name} of {length} m, at most "
                     f"{MOST_CELLS} are allowed (lengths are in metres)"
                 )
-            if not cell_sizes.whole(length, h) or round(cells) < 2:
+            whole = cell_sizes.whole(length, h) or name == "height" and not cell_sizes.square(silo)
+            if not whole or round(cells) < 2:
+                kind = "cells" if name == "height" and not cell_sizes.square(silo) else "whole cells"
                 raise ValueError(
-                    f"cell size is {h} m; it must divide the {name} of {length} m into at least 2 whole cells: "
+                    f"cell size is {h} m; it must divide the {name} of {length} m into at least 2 {kind}: "
                     f"{cell_sizes.remedy(silo, h)}"
                 )
         narrow = cell_sizes.narrowest_m(silo)

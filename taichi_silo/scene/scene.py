@@ -13,7 +13,7 @@ from pydantic import Field, field_validator, model_validator
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Law
-from taichi_silo.scene import bands, fill_shape
+from taichi_silo.scene import bands, cell_sizes, fill_shape
 from taichi_silo.scene.averaging import Averaging
 from taichi_silo.scene.eurocode import Eurocode
 from taichi_silo.scene.flow import Flow
@@ -238,14 +238,24 @@ class Scene(Options):
         return self.grid.cell_size_m / math.isqrt(self.grid.points_per_cell)
 
     @property
+    def cell_height_m(self) -> float:
+        """Height of a cell [m]: nearly its width, so that whole rows make the height of the silo."""
+        return cell_sizes.height_m(self.silo, self.grid.cell_size_m)
+
+    @property
+    def rise_m(self) -> float:
+        """Distance between rows of points at the start [m]."""
+        return self.cell_height_m / math.isqrt(self.grid.points_per_cell)
+
+    @property
     def points(self) -> int:
         """Number of material points; of a round silo those of its section from wall to wall."""
-        d, silo = self.spacing_m, self.silo
-        columns, rows = round(silo.width_m / d), round(silo.height_m / d)
+        d, rise, silo = self.spacing_m, self.rise_m, self.silo
+        columns, rows = round(silo.width_m / d), round(silo.height_m / rise)
         box = silo.floor_is_outlet and silo.surface_m is None
         if box or columns * rows > MOST_POINTS:
             return columns * rows
-        return silo.points(d)
+        return silo.points(d, rise)
 
     @property
     def snapshots(self) -> int:

@@ -215,32 +215,32 @@ class Silo(Options):
             inside = inside & ~insert.contains(x, y, self.width_m)
         return inside
 
-    def lattice(self, spacing_m: float) -> tuple[np.ndarray, ...]:
-        """x, y [m] and area [m2] of the points that fill it, row after row from the floor.
+    def lattice(self, spacing_m: float, rise_m: float) -> tuple[np.ndarray, ...]:
+        """x, y [m] and area [m2] of the points that fill it, row after row from the floor, each a rise above the other.
 
         Rows fit between the walls: in a hopper points stand a little closer or farther apart than elsewhere.
         """
-        count = round(self.height_m / spacing_m)
+        count = round(self.height_m / rise_m)
         at_once = max(1, int(POINTS_AT_ONCE * spacing_m / self.width_m))
-        parts = [self._rows(np.arange(first, min(first + at_once, count)), spacing_m)
+        parts = [self._rows(np.arange(first, min(first + at_once, count)), spacing_m, rise_m)
                  for first in range(0, count, at_once)]  # fmt: skip
         return tuple(np.concatenate(values) for values in zip(*parts, strict=True))
 
-    def _rows(self, numbers: np.ndarray, spacing_m: float) -> tuple[np.ndarray, ...]:
+    def _rows(self, numbers: np.ndarray, spacing_m: float, rise_m: float) -> tuple[np.ndarray, ...]:
         """The points of rows of these numbers."""
-        y = (numbers + 0.5) * spacing_m
+        y = (numbers + 0.5) * rise_m
         left, right = self.between(y)
         pairs = 2 if self.section == "round" else 1  # the axis stands between two points
         counts = np.maximum(1, np.round((right - left) / (pairs * spacing_m)).astype(int)) * pairs
-        wide, area = (np.repeat(values, counts) for values in (right - left, spacing_m * (right - left) / counts))
+        wide, area = (np.repeat(values, counts) for values in (right - left, rise_m * (right - left) / counts))
         number = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
         x, y = np.repeat(left, counts) + (number + 0.5) * wide / np.repeat(counts, counts), np.repeat(y, counts)
         held = self.holds(x, y)
         return x[held], y[held], area[held]
 
-    def points(self, spacing_m: float) -> int:
+    def points(self, spacing_m: float, rise_m: float) -> int:
         """Number of points of `lattice`."""
-        return _count(self, spacing_m)
+        return _count(self, spacing_m, rise_m)
 
     @property
     def box_m2(self) -> float:
@@ -295,5 +295,5 @@ def _sides(silo: Silo) -> tuple[np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=64)
-def _count(silo: Silo, spacing_m: float) -> int:
-    return len(silo.lattice(spacing_m)[0])
+def _count(silo: Silo, spacing_m: float, rise_m: float) -> int:
+    return len(silo.lattice(spacing_m, rise_m)[0])

@@ -89,21 +89,24 @@ def headroom(scene: Scene) -> float:
 
 def rows_of_cells(scene: Scene) -> int:
     """How many the grid has, from the floor to its top."""
-    return math.ceil((scene.silo.height_m + headroom(scene)) / scene.grid.cell_size_m - 1e-9)
+    return math.ceil((scene.silo.height_m + headroom(scene)) / scene.cell_height_m - 1e-9)
 
 
 def grid_of(scene: Scene, section: Section, copies: int) -> Grid:
     """The grid: it sinks with the bottom where all of that sinks, else it stands still."""
-    h = scene.grid.cell_size_m
+    h, high = scene.grid.cell_size_m, scene.cell_height_m
     follows = "bottom" if scene.silo.floor_is_outlet else "nothing"
     beside = any(not one.in_floor for one in scene.silo.openings)
-    return Grid(section.width, rows_of_cells(scene) * h, h, copies=copies, follows=follows, open_sides=beside)
+    return Grid(
+        section.width, rows_of_cells(scene) * high, h, copies=copies, follows=follows, open_sides=beside,
+        cell_height_m=high,
+    )  # fmt: skip
 
 
 def fill_of(scene: Scene, section: Section, law: Law) -> dict[str, np.ndarray]:
     """Fields of the points of the full silo, row after row from the floor, without stress."""
-    d = scene.spacing_m
-    x, y, volume = scene.silo.lattice(d)
+    d, rise = scene.spacing_m, scene.rise_m
+    x, y, volume = scene.silo.lattice(d, rise)
     computed = (x > section.shift) & (x < section.shift + section.width)
     x, y, volume = x[computed] - section.shift, y[computed], volume[computed]
     count, volume = len(x), volume * section.geometry.depth(x)
@@ -115,7 +118,7 @@ def fill_of(scene: Scene, section: Section, law: Law) -> dict[str, np.ndarray]:
         "mass": density * volume,
         "volume": volume,
         "path": np.broadcast_to(0.0, count),
-        "domain": np.broadcast_to([d, 0.0, 0.0, d], (count, 4)),
+        "domain": np.broadcast_to([d, 0.0, 0.0, rise], (count, 4)),
     }
     if law.REMEMBERS:  # the last strain is that of filling: vertical compression
         radius = law.radius  # type: ignore[attr-defined]
@@ -148,7 +151,7 @@ def walls_of(scene: Scene, section: Section, grid: Grid) -> tuple[tuple[Wall, ..
     column left, right, the walls that are taken away, and bottom: they recede faster than the sand can follow, and come
     before the bottom, whose friction else takes from them what it does not take from the others.
     """
-    silo, h, side = scene.silo, scene.grid.cell_size_m, scene.walls.contact()
+    silo, h, side = scene.silo, scene.cell_height_m, scene.walls.contact()
     low = tuple(MARGIN + math.ceil(foot / h - 1e-9) if foot else 0 for foot in silo.feet_m)
     left, right = grid.node_along(0.0), grid.node_along(section.width)
     axis = Frictionless()

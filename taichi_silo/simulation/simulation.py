@@ -378,8 +378,8 @@ class Simulation:
         grid = self.model.grid
         place = points["position"] - np.array([0.0, self.origin_m])
         beside = (BELOW if grid.open_sides else 1.0) * grid.cell_size
-        low = np.array([-beside, -grid.cell_size])
-        top = np.array([width_m + beside, (grid.rows - 2 * MARGIN) * grid.cell_size])
+        low = np.array([-beside, -grid.first_cell_height])
+        top = np.array([width_m + beside, (grid.rows - 2 * MARGIN) * grid.first_cell_height])
         return ((place > low) & (place < top)).all(axis=1) & np.isfinite(points["stress"]).all(axis=1)
 
     def _astray(self, count: int) -> Alarm:

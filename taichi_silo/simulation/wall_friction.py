@@ -25,7 +25,7 @@ def banded(sides: tuple[PlaneWall, ...], walls: Walls, grid: Grid) -> tuple[Plan
 
 def place(sides: Sequence[Wall], walls: Walls, grid: Grid, origin_m: float) -> None:
     """Tell walls with bands where these are, the grid's origin standing at a height [m]."""
-    h = grid.cell_size
+    h = grid.first_cell_height
     for side in sides:
         if isinstance(side, PlaneWall) and side.bands is not None:
             height = (np.arange(max(grid.columns, grid.rows)) - MARGIN) * h + origin_m

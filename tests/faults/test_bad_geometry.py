@@ -49,7 +49,7 @@ def test_a_polygon_in_the_sand_is_refused_or_a_scene(kind, tried):
 
 def fills(scene):
     """Its points stand in the silo, none in an insert, and weigh what the fill weighs."""
-    x, y, area = scene.silo.lattice(scene.spacing_m)
+    x, y, area = scene.silo.lattice(scene.spacing_m, scene.rise_m)
     assert len(x) and scene.silo.holds(x, y).all()
     assert abs(area.sum() - scene.silo.area_m2) < 0.1 * scene.silo.area_m2
 

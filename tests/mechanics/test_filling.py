@@ -3,17 +3,18 @@
 import numpy as np
 import pytest
 
-from taichi_silo import Averaging, Flow, Machine, Mesh, Method, Scene, Walls, named_sand, run
+from taichi_silo import Averaging, Flow, Machine, Mesh, Method, Scene, Silo, Walls, named_sand, run
 from taichi_silo.simulation.filling import grown
 from taichi_silo.simulation.outflow import duration, start
 from validation.error_bars import compressed
 
 
-def filled(folder, void_ratio: float, seconds: float = 0.5):
+def filled(folder, void_ratio: float, seconds: float = 0.5, silo: Silo | None = None, cell: float = 0.02):
     """Numbers after filling between frictionless walls, over the weight."""
     scene = Scene(
-        sand=named_sand("karlsruhe", void_ratio), walls=Walls(kind="smooth", friction_angle_deg=0.0),
-        grid=Mesh(cell_size_m=0.02), averaging=Averaging(characteristic_length_m=0.0),
+        silo=silo or Silo(), sand=named_sand("karlsruhe", void_ratio),
+        walls=Walls(kind="smooth", friction_angle_deg=0.0), grid=Mesh(cell_size_m=cell),
+        averaging=Averaging(characteristic_length_m=0.0),
         flow=Flow(speed_m_per_s=0.02, displacement_m=1e-4), method=Method(filling_time_s=seconds),
         machine=Machine(threads=1),
     )  # fmt: skip
@@ -25,6 +26,15 @@ def filled(folder, void_ratio: float, seconds: float = 0.5):
 def test_a_frictionless_wall_bears_what_compression_without_lateral_strain_makes(void_ratio, tmp_path):
     normal, bottom, truth = filled(tmp_path / "run", void_ratio)
     assert normal == pytest.approx(truth["N_filled"], rel=1.5e-3)  # 1.8 % above with a ramp that has kinks
+    assert bottom == pytest.approx(truth["P_filled"], rel=1e-4)
+
+
+@pytest.mark.parametrize("height", [0.44, 0.46])
+def test_so_it_does_in_a_silo_that_no_square_cells_fit(height, tmp_path):
+    """Cells of 21.7 mm are 22 or 21.9 mm high there: that of 0.44 m has 20 rows, that of 0.46 m has 21."""
+    silo = Silo(width_m=0.217, height_m=height)
+    normal, bottom, truth = filled(tmp_path / "run", 0.60, silo=silo, cell=0.0217)
+    assert normal == pytest.approx(truth["N_filled"], rel=1.5e-3)
     assert bottom == pytest.approx(truth["P_filled"], rel=1e-4)
 
 

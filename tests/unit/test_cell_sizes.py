@@ -1,13 +1,16 @@
 """Cells that fit a silo: chosen where their size is not given, named where the one that is given does not fit."""
 
+import math
 import re
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from taichi_silo.runs.method_choices import cell_size
+from taichi_silo.scene import cell_sizes
 from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.scene.scene import Mesh, Scene
 from taichi_silo.scene.silo import Outlet, Silo
@@ -60,9 +63,9 @@ def test_a_size_that_was_chosen_is_chosen_anew_for_another_silo():
 @pytest.mark.parametrize(
     ("silo", "size", "sizes"),
     [
-        ({"width_m": 0.195, "height_m": 0.3}, 0.01, "0.015, 0.0075 or 0.005 m would do"),
-        ({"width_m": 0.2, "height_m": 0.5, "outlet": {"width_m": 0.083}}, 0.005, "0.0005, 0.00025 or 0.000167 m"),
-        ({"width_m": 0.21, "height_m": 0.6, "section": "round"}, 0.03, "0.035, 0.021 or 0.015 m would do"),
+        ({"width_m": 0.195, "height_m": 0.3}, 0.01, "0.00975, 0.008125 or 0.0078 m would do"),
+        ({"width_m": 0.2, "height_m": 0.5, "outlet": {"width_m": 0.083}}, 0.005, "0.0005, 0.00025 or 0.000125 m would"),
+        ({"width_m": 0.21, "height_m": 0.6, "section": "round"}, 0.03, "0.035, 0.02625 or 0.021 m would do"),
     ],
 )
 def test_a_size_that_does_not_fit_is_refused_with_some_that_do(silo, size, sizes):
@@ -70,6 +73,7 @@ def test_a_size_that_does_not_fit_is_refused_with_some_that_do(silo, size, sizes
     found = re.search(r"([\d.e-]+, )+[\d.e-]+ or [\d.e-]+(?= m would do)", words)[0]
     for one in re.findall(r"[\d.][\d.e-]*", found):
         assert Scene(silo=Silo(**silo), grid=Mesh(cell_size_m=float(one))).points > 0
+    assert sizes in words
     assert "cell size" in words or "lie on the grid" in words
 
 
@@ -82,16 +86,32 @@ def test_a_silo_without_a_cell_size_is_a_scene_or_refused_with_one_that_fits(wid
         scene = Scene(silo=Silo(**silo), flow={"displacement_m": 1e-3})
     except ValidationError as error:
         words = one_sentence(error)
-        assert re.search(r"would do|but cells of .* fit a silo|lengths are in metres|points", words), words
+        assert re.search(r"would do|but cells of .* have lines|lengths are in metres|points", words), words
         return
     assert scene.silo.width_m / scene.grid.cell_size_m == pytest.approx(round(wide / 1e3 / scene.grid.cell_size_m))
 
 
-def test_where_no_square_cells_fit_the_nearest_silo_that_they_fit_is_named():
+@pytest.mark.parametrize(
+    "wide, high", [(0.2037, 0.51113), (0.217, 0.503), (0.1999, math.pi), (7.013, 0.5 * math.sqrt(2.0))]
+)
+@pytest.mark.parametrize("section", ["plane", "round"])
+def test_a_silo_of_any_size_is_met_exactly(wide, high, section):
+    """Cells divide the width, their rows the height: they are nearly square, and hold as much sand as the silo."""
+    scene = Scene(silo=Silo(width_m=wide, height_m=high, section=section))
+    size = scene.grid.cell_size_m
+    assert cell_sizes.whole(wide, size)
+    x, y, area = scene.silo.lattice(scene.spacing_m, scene.rise_m)
+    assert len(x) == scene.points and 400 <= scene.points <= 70_000
+    rise = np.diff(np.unique(y.round(9)))
+    assert rise == pytest.approx(scene.cell_height_m) and scene.cell_height_m == pytest.approx(size, rel=0.05)
+    assert (y.min(), high - y.max()) == pytest.approx((0.5 * scene.rise_m, 0.5 * scene.rise_m))
+    assert area.sum() == pytest.approx(wide * high, rel=1e-12)
+
+
+def test_edges_that_no_cells_meet_are_refused_with_places_that_they_would():
+    silo = {"width_m": 0.2037, "height_m": 0.5, "outlet": {"width_m": 0.08013}}
     for grid in ({}, {"cell_size_m": 0.005}):
-        words = refused(silo={"width_m": 0.2037, "height_m": 0.51113}, grid=grid)
-        cell, wide, high = map(
-            float, re.search(r"cells of (\S+) m fit a silo (\S+) m wide and (\S+) m high", words).groups()
-        )
-        assert (cell, wide, high) == (0.005, 0.205, 0.51)
-        assert Scene(silo=Silo(width_m=wide, height_m=high), grid=Mesh(cell_size_m=cell)).points == 41 * 102
+        words = refused(silo=silo, grid=grid)
+        size, low, high = map(float, re.search(r"cells of (\S+) m have lines at (\S+), (\S+) m", words).groups())
+        near = {"width_m": high - low, "position": 0.5 * (low + high)}
+        assert Scene(silo=silo | {"outlet": near}, grid={"cell_size_m": size}).points > 1000

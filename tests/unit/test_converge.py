@@ -53,9 +53,11 @@ def test_a_column_that_stands_free_has_cells_enough_on_the_coarsest_grid():
         assert (right - left) / one.cell(0) >= 10.0 - 1e-9
 
 
-def test_sides_that_no_common_cell_divides_are_refused_in_a_sentence():
-    with pytest.raises(BadInput, match="no square cells fit"):
-        Ladder(SCENE.model_copy(update={"silo": SCENE.silo.model_copy(update={"height_m": 0.5 * math.sqrt(2.0)})}))
+def test_a_silo_whose_sides_have_no_common_cell_is_refined_all_the_same():
+    one = ladder(silo__width_m=0.217, silo__height_m=0.5 * math.sqrt(2.0))
+    sizes = [one.cell(step) for step in range(5)]
+    assert [0.217 / size for size in sizes] == pytest.approx([round(0.217 / size) for size in sizes])
+    assert all(LEAST_FINER <= coarse / fine <= MOST_FINER for coarse, fine in zip(sizes, sizes[1:], strict=False))
 
 
 def test_between_very_rough_walls_the_length_is_that_of_the_law_or_part_of_a_cell_and_elsewhere_that_of_the_law():

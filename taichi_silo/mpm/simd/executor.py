@@ -62,7 +62,7 @@ class Simd(Executor):
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.strips = 2  # that the points are cut into
         # rows of cells between points of strips with the same sums: no common node, and a row that either may move
-        reach = math.ceil(averaging.reach_m / grid.cell_size)
+        reach = math.ceil(averaging.reach_m / min(grid.cell_size, grid.first_cell_height))
         self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), reach) + 2
         self.gap = max(0, reach - shape.NODES)  # rows of nodes that must stay between their nodes
         self.compiled = False
@@ -136,7 +136,7 @@ class Simd(Executor):
         place, found = self.particles.present("position"), []
         if not np.isfinite(place).all():
             return np.zeros(len(place), np.int32), np.zeros(len(place), np.int32)
-        heights = self.grid.cell_size, self.grid.cell_size * float(values(self.grid.stretch)[0])
+        heights = self.grid.cell_size, self.grid.first_cell_height * float(values(self.grid.stretch)[0])
         offset = self.shape.half_size if self.shape.NODES == 3 else 0.0
         for axis, size in enumerate(heights):
             # a lattice may lie on the edge of cells: round-off must not tear its rows apart

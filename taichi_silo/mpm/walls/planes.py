@@ -48,7 +48,8 @@ class PlaneWall:
 
     def plane(self, grid: Grid) -> tuple[int, int, float]:
         """Axis, side and coordinate [m] (Python scope)."""
-        return self.axis, self.side, (self.node - MARGIN) * grid.cell_size
+        size = grid.cell_size if self.axis == 0 else grid.first_cell_height
+        return self.axis, self.side, (self.node - MARGIN) * size
 
     @ti.func
     def holds(self, i, j):

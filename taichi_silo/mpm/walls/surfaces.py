@@ -123,7 +123,7 @@ class Surfaces:
             friction.append(surface.friction(x[:, 1]))
             owner.append(np.full(len(x), first_wall + number))
         place, normal, area = np.concatenate(places), np.concatenate(normals), np.concatenate(areas)
-        row = np.floor(place[:, 1] / h + 1e-9).astype(int) + MARGIN
+        row = np.floor(place[:, 1] / grid.first_cell_height + 1e-9).astype(int) + MARGIN
         order = np.argsort(row, kind="stable")
         # none outside the grid, and in a round silo none beyond the axis
         inside = (row[order] >= 0) & (row[order] < grid.rows) & (depth(place[order, 0]) > ON_AXIS * h)
@@ -137,7 +137,7 @@ class Surfaces:
         put(self.fixed, np.column_stack([normal, area * away, mu, 1.0 / np.maximum(away, 1e-12)]))
         self.wall = whole_numbers(self.count)
         put(self.wall, owners)
-        patch, weight = self._weights(place / h)
+        patch, weight = self._weights(place / (h, grid.first_cell_height))
         self.patches, self.station_weights = patch, weight
         self.patch = whole_numbers(self.count)
         put(self.patch, patch)
@@ -184,7 +184,7 @@ class Surfaces:
         p, tau, _, per_m = values(self.traction).T
         area, per_depth = values(self.fixed)[:, (2, 4)].T
         touched = per_m > 0.0
-        density = per_depth[touched] / per_m[touched] / self.grid.cell_size**2
+        density = per_depth[touched] / per_m[touched] / (self.grid.cell_size * self.grid.first_cell_height)
         stiffness = STIFFNESS * density * self.grid.cell_size / step_s**2
         return float((area[touched] * (p[touched] ** 2 + tau[touched] ** 2) / (2.0 * stiffness)).sum())
 
@@ -226,7 +226,7 @@ class Surfaces:
                     share = self.weight[q, 3 * b + a] * self.seen[k, 0]
                     m, vx, vy = m + share, vx + share * self.seen[k, 1], vy + share * self.seen[k, 2]
             nx, ny, mu = self.fixed[q, 0], self.fixed[q, 1], self.fixed[q, 3]
-            density = m * self.fixed[q, 4] / (h * h)
+            density = m * self.fixed[q, 4] / (h * self.grid.first_cell_height)
             p, tau, gap, per_m = 0.0, 0.0, self.traction[q, 2], 0.0
             if density > LEAST * self.density:
                 per_m = 1.0 / m

@@ -110,9 +110,10 @@ class WallProfiles(Observer):
 
     def _write(self, writer, state: str, sunk: float, _displacement: float, profile: np.ndarray) -> None:
         scene, model = self.simulation.scene, self.simulation.model
-        h, rows, columns = scene.grid.cell_size_m, model.grid.rows, model.section.columns
+        rows, columns = model.grid.rows, model.section.columns
         walls = dict(zip(model.wall_forces.names, profile, strict=True))
         for name, slots, origin in (("left", rows, -sunk), ("right", rows, -sunk), ("bottom", columns, 0.0)):
+            h = scene.grid.cell_size_m if name == "bottom" else scene.cell_height_m
             coordinate, stress = wall_stress(walls[name][:slots], h, closed=name == "bottom")
             lowest = -np.inf if name == "bottom" else scene.silo.feet_m[SIDES[name]] + origin - 1e-9
             for place, n, t in zip(coordinate + origin, *normal_and_shear(name, stress), strict=True):
@@ -125,7 +126,7 @@ class WallProfiles(Observer):
 
     def after_filling_above(self, height_m: float) -> dict[str, tuple[float, float]]:
         """Normal and shear force after filling of the left and the right wall above a height [N/m]."""
-        h, rows = self.simulation.scene.grid.cell_size_m, self.simulation.model.grid.rows
+        h, rows = self.simulation.scene.cell_height_m, self.simulation.model.grid.rows
         place = (np.arange(rows) - MARGIN) * h
         share = np.clip((place + 0.5 * h - height_m) / h, 0.0, 1.0)  # of what a node stands for, that lies above
         profile, found = self.states["filling"][2], {}
@@ -138,7 +139,7 @@ class WallProfiles(Observer):
         """The largest normal stress on a wall over that after filling, as a pressure cell reads it; empty if none."""
         if not self.history or "filling" not in self.states:
             return {}
-        h, rows = self.simulation.scene.grid.cell_size_m, self.simulation.model.grid.rows
+        h, rows = self.simulation.scene.cell_height_m, self.simulation.model.grid.rows
 
         def normal(profile):
             stresses = {name: wall_stress(profile[row, :rows], h, closed=False)[1] for name, row in SIDES.items()}
@@ -175,7 +176,7 @@ class WallProfiles(Observer):
         found: dict = {}
         for time, sunk, displacement, profile in self.history:
             for name, row in SIDES.items():
-                height, stress = wall_stress(profile[row, :rows], scene.grid.cell_size_m, closed=False)
+                height, stress = wall_stress(profile[row, :rows], scene.cell_height_m, closed=False)
                 above = height >= scene.silo.transition_m - 1e-9
                 height, stress = height[above], normal_and_shear(name, stress[above])[0]
                 read = cell_mean(height, stress, self.reading.cell_m)
@@ -196,7 +197,7 @@ def surface_stress(simulation, number: int, force: np.ndarray):
 
     `force` (slots, 2) is that of the wall on the sand at each row [N/m, or per radian].
     """
-    surfaces, h = simulation.solver.surfaces, simulation.scene.grid.cell_size_m
+    surfaces, h = simulation.solver.surfaces, simulation.scene.cell_height_m
     wall = surfaces.first_wall + number
     area = surfaces.area_by_row(wall)
     normal = surfaces.normals[surfaces.owners == wall][0]

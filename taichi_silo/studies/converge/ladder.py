@@ -131,18 +131,18 @@ class Ladder:
     def _next(self, before: float | None) -> float:
         """The cell size that follows another one, or the coarsest."""
         silo = self.scene.silo
-        sizes = cell_sizes.dividing(silo, MOST_ACROSS)
         if before is None:
-            fitting = sizes[silo.width_m / sizes >= self._fewest_across() * (1.0 - 1e-9)][:1]
+            found = cell_sizes.coarsest(silo, self._fewest_across(), MOST_ACROSS)
         else:
+            sizes = cell_sizes.dividing(silo, MOST_ACROSS)
             finer = before / sizes
-            fitting = sizes[(finer >= LEAST_FINER) & (finer <= MOST_FINER)]
+            fitting = cell_sizes.squares(silo, sizes[(finer >= LEAST_FINER) & (finer <= MOST_FINER)])
             fitting = fitting if len(fitting) else sizes[finer > MOST_FINER][:1]
-        if not len(fitting):
-            than = "" if before is None else f", finer than {before:.3g} m"
-            raise BadInput(f"width is {silo.width_m:g} m, height {silo.height_m:g} m; no square cells fit them{than}")
-        wanted = fitting[0] if before is None else before / FINER
-        return cell_sizes.short(silo, float(min(fitting, key=lambda size: abs(math.log(size / wanted)))))
+            found = min(fitting, key=lambda size: abs(math.log(size * FINER / before)), default=None)
+        if found is None:
+            than = "" if before is None else f" that are finer than {before:.3g} m"
+            raise BadInput(f"width is {silo.width_m:g} m; no cells fit it and what is in the silo{than}")
+        return cell_sizes.short(silo, float(found))
 
     def _fewest_across(self) -> int:
         """Cells across that the coarsest grid needs, for the smallest thing in the scene."""
