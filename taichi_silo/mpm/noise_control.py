@@ -3,7 +3,7 @@
 The contract, a frozen dataclass of compile-time constants:
 
 `drag`          rate d of a nodal force -m d (v - memory) [1/s]
-`flow_strength` times which it acts once the silo is filled [-]
+`flow_strength` times which it acts in flow whose bottom has its speed [-]
 `memory_time`   time constant of the exponential mean `memory` of the nodal velocity [s]
 `filling_drag`  rate of an extra force -m d v while the silo is being filled [1/s]
 `relaxation`    rate at which the points' velocities relax to the grid's [1/s]; it removes what the grid cannot see
@@ -57,10 +57,14 @@ class NoiseControl:
         rate = 0.16 * 2.0 * math.pi / period_s
         return cls(drag=rate, memory_time=2.5 * period_s, relaxation=0.12 / cell_transit_s)
 
-    def rates(self, filling: bool) -> tuple[float, float]:
-        """Of the drag towards the recent motion and of that towards rest, during a fill or after it [1/s]."""
-        return (self.drag, self.filling_drag) if filling else (self.flow_strength * self.drag, 0.0)
+    def rates(self, stage: str) -> tuple[float, float]:
+        """Of the drag towards the recent motion and of that towards rest, in "filling", "start" or "flow" [1/s].
+
+        At the start, while the bottom gets its speed, a stronger drag would weigh on the sand as inertia.
+        """
+        strength = self.flow_strength if stage == "flow" else 1.0
+        return strength * self.drag, self.filling_drag if stage == "filling" else 0.0
 
     def slows(self) -> float:
         """How many times as long a slow swing takes in flow, because the drag weighs on it as inertia [-]."""
-        return math.sqrt(1.0 + self.rates(filling=False)[0] * self.memory_time)
+        return math.sqrt(1.0 + self.rates("flow")[0] * self.memory_time)

@@ -177,14 +177,14 @@ class Solver:
 
     def advance(
         self, steps: int, dt: float, gravity: Sequence[float] = (0.0, 0.0),
-        plate_velocity: Sequence[float] = (0.0, 0.0), filling: bool = False,
+        plate_velocity: Sequence[float] = (0.0, 0.0), stage: str = "flow",
     ) -> None:  # fmt: skip
         """Do `steps` steps of `dt` seconds.
 
         `gravity` [m/s2] and `plate_velocity` [m/s] are pairs, at the beginning and the end, and vary linearly between;
-        `filling`: whether the noise control is that of a fill.
+        `stage` is that of the noise control (`NoiseControl.rates`).
         """
-        schedule = (*map(float, gravity), *map(float, plate_velocity), *self.control.rates(filling))
+        schedule = (*map(float, gravity), *map(float, plate_velocity), *self.control.rates(stage))
         if steps == 0:
             self.executor.run(0, 0, 0, dt, *schedule)  # compiles
         if self.friction.ACTIVE:

@@ -206,7 +206,7 @@ def noise(scene: Scene, period_s: float) -> Part:
     swing = f"the column swings with {1e3 * period_s:.3g} ms (4H/c)"
     if not control.drag:
         return Part("noise control", "off", f"As asked for: {swing}, and nothing holds it.", "--noise-control")
-    because = f"{swing}; drag {control.rates(False)[0]:.3g} /s towards the mean of {1e3 * control.memory_time:.3g} ms."
+    because = f"{swing}; drag {control.rates('flow')[0]:.3g} /s towards the mean of {1e3 * control.memory_time:.3g} ms."
     return Part("noise control", "on", _sentence(because), "--noise-control")
 
 

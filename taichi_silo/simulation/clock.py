@@ -40,6 +40,11 @@ class Interval:
         return self.plate_velocity[0] <= OPENED
 
     @property
+    def hastens(self) -> bool:
+        """Whether the bottom or the gate has not got its speed yet."""
+        return self.plate_velocity[0] != self.plate_velocity[1]
+
+    @property
     def travel(self) -> float:
         """How far the bottom or the gate moves, upwards [m]."""
         return 0.5 * (self.plate_velocity[0] + self.plate_velocity[1]) * self.duration

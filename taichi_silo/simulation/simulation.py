@@ -131,8 +131,9 @@ class Simulation:
             wall_friction.place(model.walls, model.scene.walls, model.grid, self.origin_m + 0.5 * interval.travel)
         steps, clock.step = self._steps(interval, before)
         held = self.held_mass
+        stage = "start" if clock.stage == "flow" and interval.hastens else clock.stage
         begun = time.perf_counter()
-        solver.advance(steps, clock.step, gravity, interval.plate_velocity, clock.stage == "filling")
+        solver.advance(steps, clock.step, gravity, interval.plate_velocity, stage)
         runtime.wait()
         clock.stepping_seconds += time.perf_counter() - begun
         impulse, control, after = solver.record()

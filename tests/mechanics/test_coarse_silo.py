@@ -90,8 +90,11 @@ def test_mass_is_exact(history):
     assert history.mass_on_grid == pytest.approx(history.mass, rel=1e-13)
 
 
-def test_noise_control_pushes_with_less_than_three_thousandths_of_the_weight_in_steady_flow(history):
-    steady = [r.noise_control_force_N_per_m for r in history.flow if r.displacement_m > 0.003]
+@pytest.mark.parametrize("case", CASES, ids=lambda case: f"e{case[0]:.2f}-{case[1]}")
+def test_noise_control_pushes_with_less_than_three_thousandths_of_the_weight_in_steady_flow(case):
+    """The bottom gets its speed over the first 3 mm; the swing of that needs another."""
+    history = History(*case, displacement=0.006)
+    steady = [r.noise_control_force_N_per_m for r in history.flow if r.displacement_m > 0.004]
     assert abs(np.mean(steady)) < 3e-3 * history.weight
 
 

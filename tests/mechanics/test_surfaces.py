@@ -108,9 +108,9 @@ def trough(angle_deg, cell, along_axis=2, height=1.0, foot=0.8):
         surfaces=(Surface("inclined", ((foot, 0.0), tuple(top)), Coulomb()),),
     )  # fmt: skip
     dt = 0.2 * cell / c
-    body.advance(6000, dt, gravity=(G, G), filling=True)
+    body.advance(6000, dt, gravity=(G, G), stage="filling")
     body.impulses.read_and_reset()
-    body.advance(2000, dt, gravity=(G, G), filling=True)
+    body.advance(2000, dt, gravity=(G, G), stage="filling")
     force = body.impulses.read_and_reset()[0] / (2000 * dt)
     normal = force[2] @ np.array([-math.cos(angle), math.sin(angle)])
     normal = np.concatenate([[normal[: MARGIN + 1].sum()], normal[MARGIN + 1 :]])  # nodes below share with the lowest

@@ -40,8 +40,9 @@ def test_on_few_cells_the_drag_is_no_stronger_than_a_step_allows():
 def test_in_flow_very_rough_walls_get_four_times_the_drag_of_smooth_ones_and_a_column_of_eight_widths_twice():
     smooth, rough = (noise_control(Scene(walls=walls), 0.02) for walls in (
         Walls(kind="smooth", friction_angle_deg=20.0), Walls()))  # fmt: skip
-    assert rough.rates(filling=False) == pytest.approx((4.0 * smooth.drag, 0.0))
-    assert rough.rates(filling=True) == smooth.rates(filling=True), "a fill is the same"
+    assert rough.rates("flow") == pytest.approx((4.0 * smooth.drag, 0.0))
+    for stage in ("filling", "start"):
+        assert rough.rates(stage) == smooth.rates(stage)
     high = Scene(silo=Silo(height_m=1.6), walls=Walls(kind="smooth", friction_angle_deg=20.0))
     assert noise_control(high, 0.02).drag == pytest.approx(2.0 * smooth.drag)
 
@@ -51,7 +52,7 @@ def test_drag_towards_the_recent_mean_weighs_on_a_slow_swing_as_inertia():
     control = NoiseControl(drag=1000.0, memory_time=0.001, flow_strength=3.0)
     mean, x, v, dt, crossings = 0.0, 1.0, 0.0, 1e-5, []
     for step in range(60000):
-        a = -((2.0 * math.pi / 0.1) ** 2) * x - control.rates(filling=False)[0] * (v - mean)
+        a = -((2.0 * math.pi / 0.1) ** 2) * x - control.rates("flow")[0] * (v - mean)
         mean += dt / control.memory_time * (v - mean)
         v += dt * a
         if x * (x + dt * v) < 0.0:

@@ -55,7 +55,7 @@ def column_stress_error(shape, cells: int = 20, per_axis: int = 2, sinking: floa
     control = NoiseControl(filling_drag=0.5 * math.pi * c / HEIGHT)
     body = solver(particles, grid, shape, law, walls, control=control, filtering=filtering)
     for gravity in ((0.0, G), (G, G)):
-        body.advance(300 * cells, 0.1 * cell / c, gravity=gravity, filling=True)
+        body.advance(300 * cells, 0.1 * cell / c, gravity=gravity, stage="filling")
     found = particles.arrays()
     error = found["stress"][:, 1] + DENSITY * G * (HEIGHT - start)
     sunk = start.max() - found["position"][:, 1].max()
