@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from taichi_silo.errors import BadInput
-from taichi_silo.scene.drawing import choice, dxf_file, entities, grid, joining, units, words
+from taichi_silo.scene.drawing import choice, dxf_file, entities, grid, half, joining, units, words
 from taichi_silo.scene.silo import MOST_INSERTS, Insert, Silo
 
 LARGER = 1.2  # over the silo of lines that meet closely, from which on one with wider gaps is meant
@@ -103,8 +103,10 @@ def read_drawing(
     if not (given or plausible):
         raise BadInput(f"unit is {unit}, {known}; {doubt}")
     head = words.of_taken(taken, len(lines), silo, unit, known)
+    of_half = half.words_of(choice.outline_of(taken.inside), taken.inside.corners.min(axis=0), pieces, level)
     cell, of_grid = grid.fitted(silo)
-    said = [head, *taken.words, *words.of_rest(found, unused, axes, mended), *([doubt] if doubt else []), of_grid]
+    of_rest = words.of_rest(found, unused, axes, mended)
+    said = [head, *of_half, *taken.words, *of_rest, *([doubt] if doubt else []), of_grid]
     bodies = tuple(number for number, one in enumerate(lines, 1) if any(one is body for body in taken.bodies))
     return Drawn(silo, cell, tuple(lines), taken.number, bodies, tuple(f"{one[:1].upper()}{one[1:]}." for one in said))
 
@@ -125,7 +127,7 @@ def _pieces(lines: list[entities.Line], axes: tuple[int, int], scale: float) -> 
     for one in lines:
         corners = entities.corners_of(one, axes, scale)
         if len(corners) > 1 and np.ptp(corners, axis=0).max() > 0.0:
-            found.append(joining.Piece(one.layer, corners, bool(one.path.is_closed), one.oval))
+            found.append(joining.Piece(one.layer, corners, bool(one.path.is_closed), one.oval, one.centre))
     return found
 
 
@@ -145,6 +147,9 @@ def _closed_lines(
         if _largest(wider) > LARGER * _largest(lines):
             return wider, len(again.unused)
     if not lines:
+        walls = [piece for piece in pieces if not piece.centre]
+        if 0 < len(walls) < len(pieces):  # a centre line between two walls is no third one
+            return _closed_lines(path, walls, gap_m, level_m)
         raise BadInput(f"{path} holds no closed line: {words.of_open(joined)}")
     return lines, 0 if drawn == "crossing" else len(joined.unused)
 

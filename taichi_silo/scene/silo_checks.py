@@ -80,12 +80,12 @@ def _check_outlet(silo: "Silo", outlet: Outlet, opening: Opening) -> None:
 
 
 def _check_side_outlet(silo: "Silo", opening: Opening) -> None:
-    """Refuse an opening that is not in the vertical part of its wall, below the surface."""
-    foot = silo.feet_m[("left", "right").index(opening.wall)]
-    if opening.low < foot - polygons.SAME or opening.high > silo.height_m - polygons.SAME:
+    """Refuse an opening that is not in the vertical part of its wall, below the surface there."""
+    foot, top = silo.feet_m[("left", "right").index(opening.wall)], float(fill_shape.top_m(silo, opening.at_m))
+    if opening.low < foot - polygons.SAME or opening.high > top - polygons.SAME:
         raise ValueError(
             f"outlet of the {opening.wall} wall reaches from {opening.low:g} to {opening.high:g} m; it must lie in its "
-            f"vertical part, between {foot:g} m and the surface of the fill at {silo.height_m:g} m"
+            f"vertical part, between {foot:g} m and the surface of the fill at {top:g} m"
         )
 
 

@@ -67,7 +67,7 @@ class Clock:
     left_at : when sand last left the silo, or first could [s].
     step : length of a time step in the last interval [s].
     stepping_seconds : of the machine's time, spent in steps [s].
-    ended : why a free outflow has ended, see `outflow.why_ended`, or "jam"; empty of others.
+    ended : why a free outflow has ended, see `outflow.why_ended`; "jam" of any that has jammed; empty of others.
 
     """
 

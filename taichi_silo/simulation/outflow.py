@@ -26,6 +26,7 @@ AT_REST_S = 0.25  # without outflow, after which a free flow has stopped; longer
 STEEPEST = 1.5  # largest slope of the start, over its mean
 PARTS = 1001  # of the start, in which its displacement is looked up
 OVER = 0.25  # of the outlet's width, to both sides of its middle: no sand that has flowed freely stays there
+FOLLOWS = 0.5  # of what a gate makes room for: where less has left, the sand bridges the outlet
 STILL = 0.002  # of the root of g H: mean speed below which a collapsed column rests,
 RESTING = 1.0  # if it lasts for so many times the fall of the column, root of H / g
 OF_FALL = 0.01  # of that fall, an interval of a collapse
@@ -117,18 +118,48 @@ def why_ended(model: Model, clock: Clock) -> str:
 
 def jam(model: Model, left_share: float) -> str:
     """What to say of a free outflow that has come to rest: a sentence if sand stands over the middle of the outlet."""
+    if not _bridged(model):
+        return ""
+    return (
+        f"The flow has jammed: {left_share:.0%} of the sand stays in the silo and bridges the outlet; {_advice(model)}."
+    )
+
+
+def hangs(model: Model, sunk_m: float, left_kg_per_m: float) -> str:
+    """What to say of gates that have sunk so far, after so much has left: a sentence if the sand did not follow.
+
+    Nothing is said of gates with times of their own, which have not all sunk as far.
+    """
+    scene, silo = model.scene, model.scene.silo
+    timed = any(outlet.timed for outlet in silo.outlets)
+    if timed or not known_limits.has_pattern(scene, sunk_m):
+        return ""
+    share = left_kg_per_m / (model.density * silo.outlet_share_m * sunk_m)
+    if share >= FOLLOWS or not _bridged(model):
+        return ""
+    return (
+        f"The flow has jammed: the gate has sunk by {1e3 * sunk_m:.3g} mm, and {share:.0%} of the sand that it made "
+        f"room for has left; the rest bridges the outlet; {_advice(model)}."
+    )
+
+
+def _bridged(model: Model) -> bool:
+    """Whether sand stands over the middle of the outlet."""
     scene = model.scene
     edges = [edge - model.section.shift for edge in scene.silo.outlet_m]
     middle, reach = 0.5 * sum(edges), OVER * (edges[1] - edges[0])
     x, y = model.particles.array("position").T
-    if not ((np.abs(x - middle) <= max(reach, 0.51 * model.spacing)) & (y > 0.0)).any():
-        return ""
+    return bool(((np.abs(x - middle) <= max(reach, 0.51 * model.spacing)) & (y > 0.0)).any())
+
+
+def _advice(model: Model) -> str:
+    """What lets sand flow that has jammed."""
+    scene = model.scene
     cells = known_limits.cells_across_outlet(scene)
-    remedy = "a wider outlet or smoother walls let it flow"
     if cells < known_limits.FEWEST_CELLS - 1e-6:
         size = 1e3 * scene.grid.cell_size_m * cells / known_limits.FEWEST_CELLS
-        remedy = f"the outlet is {cells:.3g} cells wide, and smaller cells ({size:.3g} mm) or a wider outlet help"
-    return f"The flow has jammed: {left_share:.0%} of the sand stays in the silo and bridges the outlet; {remedy}."
+        return f"the outlet is {cells:.3g} cells wide, and smaller cells ({size:.3g} mm) or a wider outlet help"
+    return "a wider outlet or smoother walls let it flow"
 
 
 def _free(model: Model, clock: Clock, fastest_m_per_s: float) -> Interval | None:

@@ -106,11 +106,16 @@ class Simulation:
                 yield self.advance(interval)
 
     def _note_end(self) -> None:
-        """Note why a free outflow has ended, and warn of one that has jammed."""
-        if self.discharge is None or self.scene.flow.outflow != "gravity":
+        """Note why a free outflow has ended, and warn of one, or of a driven one, that has jammed."""
+        if self.discharge is None or self.scene.flow.outflow == "collapse":
             return
-        self.clock.ended = outflow.why_ended(self.model, self.clock)
-        if self.clock.ended == "rest" and (jam := outflow.jam(self.model, self.above_opening / self.model.mass)):
+        if self.scene.flow.outflow == "controlled":
+            jam = outflow.hangs(self.model, self.clock.displacement, self.discharged)
+        else:
+            self.clock.ended = outflow.why_ended(self.model, self.clock)
+            rests = self.clock.ended == "rest"
+            jam = outflow.jam(self.model, self.above_opening / self.model.mass) if rests else ""
+        if jam:
             self.clock.ended = "jam"
             self.warnings.append(jam)
 

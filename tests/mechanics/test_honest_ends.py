@@ -9,6 +9,7 @@ from taichi_silo.runs.flow_findings import flow_findings
 from taichi_silo.scene import known_limits
 from taichi_silo.scene.scene import Flow
 from taichi_silo.scene.silo import Outlet, Silo
+from taichi_silo.scene.walls import Walls
 from taichi_silo.show.report.trust import verdict
 from taichi_silo.simulation import filling
 from tests.smallest import SMALLEST, smallest
@@ -30,6 +31,18 @@ def test_a_free_outflow_that_jams_is_named_everywhere(tmp_path):
     assert summary["ledger"]["outflow_ended"] == "jam"
     (sentence,) = [words for words in summary["warnings"] if words.startswith("The flow has jammed")]
     assert "% of the sand stays in the silo and bridges the outlet" in sentence and "a wider outlet help" in sentence
+    assert f"warning: {sentence}" in log and "ends: the flow has jammed; " in log
+    assert said.title == "The flow has jammed" and sentence in said.words and said.level == "care"
+
+
+def test_a_gate_that_the_sand_does_not_follow_is_named_everywhere_and_makes_no_flow_pattern(tmp_path):
+    """Through a cone's outlet of two cells next to nothing passes."""
+    silo = Silo.polygon([(0.15, 0), (0.25, 0), (0.4, 0.2), (0.4, 0.3), (0, 0.3), (0, 0.2)], section="round")
+    walls, flow = Walls(kind="smooth", friction_angle_deg=22.5), Flow(speed_m_per_s=0.04, displacement_m=0.02)
+    summary, log, said = ended(tmp_path / "narrow", smallest(silo=silo, walls=walls, flow=flow))
+    (sentence,) = [words for words in summary["warnings"] if words.startswith("The flow has jammed")]
+    assert "the gate has sunk by 20 mm" in sentence and "bridges the outlet; the outlet is 2 cells wide" in sentence
+    assert summary["ledger"]["outflow_ended"] == "jam" and "flow_pattern" not in summary
     assert f"warning: {sentence}" in log and "ends: the flow has jammed; " in log
     assert said.title == "The flow has jammed" and sentence in said.words and said.level == "care"
 

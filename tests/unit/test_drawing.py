@@ -2,6 +2,7 @@
 
 import math
 import random
+import re
 import sys
 import tomllib
 
@@ -382,6 +383,50 @@ def test_a_half_and_its_mirror_image_make_a_silo_without_corners_in_its_middle(d
     silo = read_silo(drawn([*BIN[:1], (100, 0), *BIN[1:4], (100, 500), *BIN[4:]]))
     is_the_bin(silo)
     assert len(silo.outline_m) == 6
+
+
+HALF = [(100, 0), (140, 0), (200, 200), (200, 500), (100, 500)]  # of BIN, right of its axis
+
+
+def axis(space, low=-30, high=530, linetype="CENTER", layer="0"):
+    if layer not in space.doc.layers:
+        space.doc.layers.add(layer, linetype=linetype)
+    space.add_line((100, low), (100, high), dxfattribs=on(layer))
+
+
+@pytest.mark.parametrize(
+    ("draw", "where"),
+    [
+        (lambda space: (closed(space, HALF), axis(space, layer="AXIS")), r"left .* on a centre line \(layer AXIS\)"),
+        (lambda space: (space.add_lwpolyline(HALF), axis(space, 0, 500, "DASHDOT", "A")), r"left .* \(layer A\)"),
+        (lambda space: (space.add_lwpolyline(HALF), axis(space, linetype="CONTINUOUS")), r"left .* \(layer 0\)"),
+        (
+            lambda space: (closed(space, [(200 - x, y) for x, y in HALF]), axis(space, layer="Mittellinie")),
+            r"right .* \(layer Mittellinie\)",
+        ),
+        (lambda space: (closed(space, [(0, 0), (100, 0), (100, 500), (0, 500)]), axis(space, layer="CL")), r"right"),
+        (lambda space: closed(space, HALF), r"left .* opposite an inclined one"),
+    ],
+    ids=["centre line", "closed by it", "beyond both ends", "left half", "flat bottom", "none"],
+)
+def test_a_half_beside_its_axis_is_taken_with_a_word_that_names_the_remedy(drawn, draw, where):
+    drawing = read_drawing(drawn(draw=draw))
+    assert drawing.silo.width_m == pytest.approx(0.1)
+    (word,) = [word for word in drawing.words if "MIRROR" in word]
+    assert re.match(rf"Its {where}.*taken for a wall.*whole silo.*as one closed line", word)
+
+
+def two_walls(space, corners):
+    for some in (corners[:1] + corners[:3:-1], corners[1:4]):
+        space.add_lwpolyline(some)
+
+
+@pytest.mark.parametrize("lines", [closed, as_lines, two_walls])
+@pytest.mark.parametrize("ends", [(-30, 530), (0, 500)], ids=["beyond", "from floor to top"])
+def test_a_whole_silo_with_a_centre_line_is_no_half(drawn, lines, ends):
+    drawing = read_drawing(drawn(draw=lambda space: (lines(space, BIN), axis(space, *ends, layer="AXIS"))))
+    is_the_bin(drawing.silo)
+    assert "MIRROR" not in said(drawing)
 
 
 def test_sides_a_hair_out_of_level_are_levelled(drawn):

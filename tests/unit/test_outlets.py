@@ -29,6 +29,7 @@ REFUSED = [
     ({"outlet": RIGHT | {"closes_at_s": 0.4}}, ["closes_at_s is 0.4 s", "0.5 s"]),
     ({"outlet": BESIDE | {"position": "centre"}}, ["position is centre", "right wall", "height"]),
     ({"outlet": BESIDE | {"position": 0.49}}, ["right wall", "0.515", "surface", "0.5 m"]),
+    ({"outlet": BESIDE, "surface_m": [[0, 0.5], [0.2, 0.14]]}, ["right wall", "0.15", "surface", "0.14 m"]),
     ({"outlet": BESIDE | {"wall": "top"}}, ["wall is top", "floor"]),
     ({"outlet": BESIDE, "hopper": {"half_angle_deg": 20, "outlet_width_m": 0.05}}, ["outlet", "hopper", "not both"]),
     ({"outlet": BESIDE, "section": "round"}, ["round", "middle of its floor"]),

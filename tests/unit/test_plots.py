@@ -10,14 +10,23 @@ from PIL import Image
 
 from taichi_silo.errors import BadInput
 from taichi_silo.runs import snapshot
+from taichi_silo.runs.observers.outflow import columns_of
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.theories import critical_simple_shear_angle_deg
 from taichi_silo.scene.scene import Walls
-from taichi_silo.scene.silo import Hopper, Silo
+from taichi_silo.scene.silo import Hopper, Outlet, Silo
 from taichi_silo.show.figures import plot_run
 from taichi_silo.show.figures.forces import run_forces_figure
+from taichi_silo.show.figures.outflow import run_outflow_figure
 from taichi_silo.show.figures.style import legend_below, new_figure, put_title
-from taichi_silo.show.figures.void_ratio import around, chosen_snapshots, color_range, draw_field, limits_of
+from taichi_silo.show.figures.void_ratio import (
+    around,
+    chosen_snapshots,
+    color_range,
+    draw_field,
+    limits_of,
+    run_void_ratio_figure,
+)
 from taichi_silo.show.theory import janssen
 from tests import made_up
 from validation.case_figures import plot_cases
@@ -81,6 +90,36 @@ def test_panels_of_void_ratio_reach_from_wall_to_wall_and_show_what_is_closed(re
     right = np.sort([line[:, 1] for line in lines if (line[:, 0] == 400.0).all()], axis=0)
     top = panel.get_ylim()[1]
     assert right == pytest.approx(np.array([[0.0, top]] if reach < 0.4 else [[0.0, 30.0], [70.0, top]]))
+
+
+@pytest.mark.parametrize(("wide", "high"), [(0.6, 0.2), (2.0, 0.04)])
+def test_panels_of_a_wide_silo_stand_below_each_other_no_higher_than_a_page_and_say_its_height(tmp_path, wide, high):
+    silo = Silo(width_m=wide, height_m=high, outlet=Outlet(width_m=0.08))
+    made_up.leave(tmp_path / "run", made_up.scene(silo=silo), states=4)
+    figure = run_void_ratio_figure(Result(tmp_path / "run"))
+    panels = figure.axes[:-1]
+    assert len(panels) > 2 and len({panel.get_subplotspec().colspan.start for panel in panels}) == 1
+    assert figure.get_figheight() < 21.0 and figure.get_figwidth() < 16.0
+    unit = 1.0 if wide > 1.0 else 1e3
+    assert all(panel.get_yticks()[-1] == pytest.approx(unit * high) for panel in panels)
+
+
+def test_outlets_that_let_out_alike_are_both_seen_and_no_time_is_cut_off(tmp_path):
+    outlets = (Outlet(width_m=0.08, position=0.1), Outlet(width_m=0.08, position=0.3))
+    folder = made_up.leave(tmp_path / "run", made_up.scene(silo=Silo(width_m=0.4, height_m=0.2, outlet=outlets)))
+    time = np.linspace(made_up.FILLED_S, made_up.FILLED_S + 0.3529, 40)
+    each = {name: value for k in (1, 2) for name, value in zip(columns_of(k), (1.0, time, 2.0, 3.0), strict=True)}
+    pd.DataFrame({"time_s": time, "stage": "flow", "displacement_m": time, **each}).to_csv(
+        folder / "outflow.csv", index=False
+    )
+    figure = run_outflow_figure(Result(folder))
+    FigureCanvasAgg(figure).draw()
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    for panel in figure.axes:
+        first, second = panel.get_lines()[0], [line for line in panel.get_lines() if line.get_color() != "white"][1]
+        assert first.get_linewidth() > second.get_linewidth()
+        for place, label in zip(panel.get_xticks(), panel.get_xticklabels(), strict=True):
+            assert place > panel.get_xlim()[1] or label.get_window_extent(renderer).x1 < figure.bbox.x1
 
 
 @pytest.mark.parametrize(

@@ -76,6 +76,18 @@ def test_a_scene_is_checked_without_being_run(said, tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["silo.toml"]
 
 
+def test_flags_may_stand_before_a_scene_file_and_nothing_else(said, tmp_path):
+    file = tmp_path / "silo.toml"
+    file.write_text(TINY)
+    for words in (("--check", file), ("--set", "silo.height_m=0.4", file, "--set", "silo.height_m=0.2", "--check")):
+        code, out, _ = said("run", *words)
+        assert code == 0 and "8 points" in out
+    for words in (("--quiet", "outlet"), ("--check",)):
+        code, out, err = said("run", *words)
+        assert (code, out) == (2, "") and f"begins with {words[0]}; a scenario or a folder stands first" in err
+    assert "Usage: taichi-silo run" in said("run", "--quiet", "--help")[1]
+
+
 def test_a_scenario_is_checked_as_a_file_is(said, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code, out, _ = said("run", "mass_flow", "--cell-size", 0.02, "--check", "--json")

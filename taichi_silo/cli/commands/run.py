@@ -42,14 +42,23 @@ def run(
     """
     from taichi_silo.cli import catalogue
     from taichi_silo.cli.command_line import command
+    from taichi_silo.errors import BadInput
 
-    if what is None or what.startswith("-"):
+    words = [] if what is None else [what, *context.args]
+    if what is None or (what.startswith("-") and "--help" in words):
         command(scene_file, ["--help"], "taichi-silo run")
+    if what.startswith("-"):  # flags first
+        what = next((word for word in words if word.lower().endswith(".toml")), "")
+        if not what:
+            raise BadInput(
+                f"the line begins with {words[0]}; a scenario or a folder stands first, as in taichi-silo run outlet "
+                "--quiet, and behind flags only a scene file, SCENE.toml"
+            )
     if _is_scene(what):
         from taichi_silo.cli.flags import refuse_flags_of_scenarios
 
-        refuse_flags_of_scenarios(context.args, _own_flags())
-        command(scene_file, [what, *context.args], "taichi-silo run")
+        refuse_flags_of_scenarios([word for word in words if word != what], _own_flags())
+        command(scene_file, words, "taichi-silo run")
     command(catalogue.load(what), context.args, f"taichi-silo run {catalogue.script(what).stem}")
 
 

@@ -173,7 +173,11 @@ class Summary(Observer):
         return theory_of(self.simulation.scene, angle_deg, ratio)
 
     def _flow(self) -> dict:
-        return flow_findings(self.after_filling, self.before, self.mid or self._state(*LATER), self.simulation.scene)
+        simulation, now = self.simulation, self.mid or self._state(*LATER)
+        found = flow_findings(self.after_filling, self.before, now, simulation.scene)
+        if simulation.clock.ended == "jam" and not simulation.scene.flow.free:  # the sand did not follow the gate
+            found = {name: value for name, value in found.items() if name not in OF_OUTFLOW}
+        return found
 
     def _ledger(self) -> dict:
         """What has left, and whether the books close."""
@@ -273,6 +277,7 @@ def _open_s(outlet: Outlet, seconds: float, closing_s: float) -> float:
 
 
 STATES = ("after_filling", "before", "mid")
+OF_OUTFLOW = ("flow_pattern", "residence")  # which a flow that has jammed has not
 NAMES = {  # in the summary, and in the records
     "bottom_N_per_m": "bottom_force_N_per_m", "normal_N_per_m": "normal_N_per_m", "shear_N_per_m": "shear_N_per_m",
     "wall_friction_angle_deg": "wall_friction_angle_deg",

@@ -1,5 +1,6 @@
 """The lines of a drawing: which of its entities count, layer by layer, blocks taken apart, in the plane of the view."""
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -20,6 +21,11 @@ DEEPEST = 16  # blocks in blocks
 NEVER = "defpoints"  # a layer that is not printed
 ARC_M = 1e-3  # largest distance of a curve from the corners that stand for it
 ARC = 0.005  # the same over the size of the curve
+AXIS = re.compile(  # in the name of a linetype or layer of centre lines, in the languages of CAD programs
+    r"cent(er|re)|mitte|strichpunkt|dash\w*dot|chain|iso(04|08|10)w|symmetr|achs"
+    r"|(?<![a-z])(ax[ei]s?|cl|eixo|eje|asse)(?![a-z])",
+    re.IGNORECASE,
+)
 
 
 @dataclass(frozen=True)
@@ -29,6 +35,7 @@ class Line:
     layer: str
     path: Any
     oval: bool = False  # a circle or an ellipse
+    centre: bool = False  # drawn as a centre line, by its linetype or its layer's name
 
     @property
     def control(self) -> np.ndarray:
@@ -54,6 +61,7 @@ def lines_of(drawing: Any, layers: Iterable[str] = ()) -> Found:
     hidden = set() if shown_layers else _hidden(drawing)
     found = Found([], Counter(), Counter())
     names: dict[str, str] = {}
+    linetypes = {_folded(one.dxf.name): one.dxf.get("linetype", "") for one in drawing.layers}
     for entity, layer in _entities(drawing.modelspace(), hidden, found.hidden):
         kind = entity.dxftype()
         names.setdefault(_folded(layer), layer)
@@ -62,7 +70,8 @@ def lines_of(drawing: Any, layers: Iterable[str] = ()) -> Found:
         if _folded(layer) in hidden or entity.dxf.get("invisible", 0):
             found.hidden[layer] += 1
             continue
-        line = Line(layer, _path(entity), kind in OVAL) if kind in KINDS else None
+        centre = _centre(entity, layer, linetypes)
+        line = Line(layer, _path(entity), kind in OVAL, centre) if kind in KINDS else None
         if line is None or line.path is None:
             found.others[kind] += 1
             continue
@@ -144,6 +153,13 @@ def _path(entity: Any) -> Any:
 def _hidden(drawing: Any) -> set[str]:
     """Layers that are off, frozen, or never printed."""
     return {NEVER} | {_folded(one.dxf.name) for one in drawing.layers if one.is_off() or one.is_frozen()}
+
+
+def _centre(entity: Any, layer: str, linetypes: dict[str, str]) -> bool:
+    """Whether an entity is drawn as a centre line; `linetypes` are those of the layers."""
+    linetype = entity.dxf.get("linetype", "BYLAYER")
+    drawn_as = linetypes.get(_folded(layer), "") if linetype.upper() == "BYLAYER" else linetype
+    return bool(AXIS.search(f"{drawn_as} {layer}"))
 
 
 def _folded(name: str) -> str:

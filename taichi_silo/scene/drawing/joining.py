@@ -25,6 +25,7 @@ class Piece:
     corners: np.ndarray
     closed: bool
     oval: bool = False  # a circle or an ellipse
+    centre: bool = False  # drawn as a centre line
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,8 @@ OVERLAP = 1.15  # squares are drawn larger by this factor, so that stretched san
 COLORS, STEEL = "viridis", "#404040"
 WIDEST_IN = 40.0  # of a figure: 6,000 pixels
 TWO_TICKS_IN, THREE_TICKS_IN = 0.35, 0.9  # length of an axis from which on so many labels have room
-PANEL_IN = 13.0  # width of the silo where the panels are one below the other
+PANEL_IN, DEEPEST_IN = 13.0, 3.0  # largest width and height of the silo where the panels are one below the other
+BAR_IN = 0.16  # width of the colour bar
 CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 EDGE = 0.004  # of the height, free around a large silo
 
@@ -74,8 +75,8 @@ def run_void_ratio_figure(run: Result) -> Figure | None:
     width = 1.3 + len(rows) * (0.42 + max(height * aspect(limits), 1.2))
     stacked = width > WIDEST_IN  # of wide silos one below the other
     if stacked:
-        deep = PANEL_IN / aspect(limits)
-        figure = new_figure(PANEL_IN + 2.6, 1.5 + len(rows) * (deep + 0.75))
+        deep = min(PANEL_IN / aspect(limits), DEEPEST_IN)
+        figure = new_figure(deep * aspect(limits) + 2.6, 1.5 + len(rows) * (deep + 0.75))
         panels = figure.subplots(len(rows), 1, squeeze=False, sharex=True)[:, 0]
     else:
         figure = new_figure(max(width, 4.6), height + (1.9 if few else 1.35))
@@ -85,7 +86,7 @@ def run_void_ratio_figure(run: Result) -> Figure | None:
         panel.set(xlabel=f"x ({unit})", title=moment(row, run.flow.empty))
         if stacked:
             top = round(per_m * run.scene.silo.height_m, 2)
-            panel.set_yticks([0.0, top][: 2 if deep > TWO_TICKS_IN else 1])
+            panel.set_yticks([0.0, top] if deep > TWO_TICKS_IN else [top])
             panel.label_outer()
         elif height * aspect(limits) < THREE_TICKS_IN:
             low, *_, high = _ticks(silo, limits[0], per_m)
@@ -174,4 +175,8 @@ def aspect(limits) -> float:
 def color_bar(figure, panels, norm):
     """Put the scale of the void ratio beside the panels."""
     scale = ScalarMappable(norm, COLORS)
-    figure.colorbar(scale, ax=panels, label="void ratio e", extend="both", shrink=0.8, aspect=30, pad=0.02)
+    aspect = max(30.0, 0.8 * figure.get_figheight() / BAR_IN)
+    figure.colorbar(
+        scale, ax=panels, label="void ratio e", extend="both", shrink=0.8, aspect=aspect, extendfrac=1.5 / aspect,
+        pad=0.02,
+    )  # fmt: skip
