@@ -20,7 +20,7 @@ def scene(cell_m=0.02, silo=None, **tables):
 
 def state(what, moved_m, half=False):
     """Sand that sinks by so much, more slowly next to the walls, where it dilates; half of it mirrored, if so asked."""
-    x, y, area = what.silo.lattice(what.spacing_m)
+    x, y, area = what.silo.lattice(what.spacing_m, what.rise_m)
     identity, wide = np.arange(len(x)), what.silo.width_m
     if half:
         kept = x < 0.5 * wide

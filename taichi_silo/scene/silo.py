@@ -215,11 +215,13 @@ class Silo(Options):
             inside = inside & ~insert.contains(x, y, self.width_m)
         return inside
 
-    def lattice(self, spacing_m: float, rise_m: float) -> tuple[np.ndarray, ...]:
+    def lattice(self, spacing_m: float, rise_m: float | None = None) -> tuple[np.ndarray, ...]:
         """x, y [m] and area [m2] of the points that fill it, row after row from the floor, each a rise above the other.
 
+        Without a rise points are as far apart along y as along x.
         Rows fit between the walls: in a hopper points stand a little closer or farther apart than elsewhere.
         """
+        rise_m = spacing_m if rise_m is None else rise_m
         count = round(self.height_m / rise_m)
         at_once = max(1, int(POINTS_AT_ONCE * spacing_m / self.width_m))
         parts = [self._rows(np.arange(first, min(first + at_once, count)), spacing_m, rise_m)
@@ -238,7 +240,7 @@ class Silo(Options):
         held = self.holds(x, y)
         return x[held], y[held], area[held]
 
-    def points(self, spacing_m: float, rise_m: float) -> int:
+    def points(self, spacing_m: float, rise_m: float | None = None) -> int:
         """Number of points of `lattice`."""
         return _count(self, spacing_m, rise_m)
 
@@ -295,5 +297,5 @@ def _sides(silo: Silo) -> tuple[np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=64)
-def _count(silo: Silo, spacing_m: float, rise_m: float) -> int:
+def _count(silo: Silo, spacing_m: float, rise_m: float | None) -> int:
     return len(silo.lattice(spacing_m, rise_m)[0])

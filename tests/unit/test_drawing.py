@@ -594,7 +594,7 @@ def test_cells_divide_the_silo_and_ten_or_more_cross_the_outlet(drawn, stretch, 
 
 def test_an_opening_too_narrow_for_ten_cells_is_named(drawn):
     drawing = read_drawing(drawn([(99.9, 0), (100.1, 0), *BIN[2:]]))
-    assert drawing.silo.points(drawing.cell_size_m, drawing.cell_size_m) < 1.1e6
+    assert drawing.silo.points(drawing.cell_size_m) < 1.1e6
     assert "fewer than the ten that it should have" in said(drawing)
 
 
