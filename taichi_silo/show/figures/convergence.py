@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from taichi_silo.show.figures.style import BLUE, COLORS, REFERENCE, new_figure
+from taichi_silo.show.figures.style import BLUE, COLORS, REFERENCE, make_logarithmic, new_figure
 
 PANELS = (
     ("P_filled", "T_filled", "N_filled"),
@@ -82,10 +82,12 @@ def cost_figure(found: tuple[pd.DataFrame, pd.DataFrame]) -> Figure | None:
             number = numbers.loc[name]
             measure = number["error"] / number["relative_error"] if number["relative_error"] else np.nan
             errors = (main[name] - number["value"]).abs() / measure
-            panel.loglog(main["core_seconds"], 100.0 * np.maximum(errors, ROUND_OFF), "o-", color=colour, label=name[0])
+            panel.plot(main["core_seconds"], 100.0 * np.maximum(errors, ROUND_OFF), "o-", color=colour, label=name[0])
             panel.axhline(100.0 * max(number["relative_error"], ROUND_OFF), color=colour, lw=1.0, ls=(0, (5, 3)))
         panel.set_title(TITLES[names[0]].replace("P ", "forces "))
         panel.set_xlabel("cost of the run (core-seconds)")
+    for axis in (*(panel.xaxis for panel in panels), *(panel.yaxis for panel in panels)):
+        make_logarithmic(axis)
     panels[0].set_ylabel("distance from the limit, % of the weight")
     panels[0].legend(title="dashed: error of the limit")
     return figure
