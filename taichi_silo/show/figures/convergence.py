@@ -18,7 +18,7 @@ TITLES = {
     "zone_thickness": "thickness of the wall zone",
 }  # fmt: skip
 UNITS = {"N/m": ("kN/m", 1e-3), "Pa": ("kPa", 1e-3), "m": ("mm", 1e3), "-": ("", 1.0)}
-ROUND_OFF = 1e-6  # below which an error is drawn there
+ROUND_OFF = 1e-6  # below which an error is drawn there, and has no digit that counts
 
 
 def shown_in(unit: str) -> tuple[str, float]:
@@ -61,6 +61,9 @@ def _values(panel, runs: pd.DataFrame, numbers: pd.DataFrame, name: str) -> None
         panel.plot(1e3 * others["cell_size_m"], factor * others[name], "o", mfc="white", color=REFERENCE,
                    label="with the length of the step before")  # fmt: skip
     panel.set_xlim(0.0, 1.05e3 * main["cell_size_m"].max())
+    low, high = panel.get_ylim()
+    if high - low < 1e2 * ROUND_OFF * abs(value):  # runs that differ by round-off are alike
+        panel.set_ylim(sorted((0.99 * value, 1.01 * value)))
     panel.ticklabel_format(axis="y", useOffset=False)
     panel.set_title(TITLES[name])
     panel.set_xlabel("size of the cells (mm)")
