@@ -18,7 +18,6 @@ from taichi_silo.scene.scene import Machine, Scene
 from taichi_silo.show.figures.convergence import convergence_figure
 from taichi_silo.show.report.convergence import with_error
 from taichi_silo.simulation import outflow
-from taichi_silo.studies.converge import study as module
 from taichi_silo.studies.converge.estimate import estimate
 from taichi_silo.studies.converge.ladder import LEAST_FINER, MOST_FINER, Ladder, Rung
 from taichi_silo.studies.converge.plan import Plan, seconds, share
@@ -232,24 +231,6 @@ def test_no_time_for_a_step_is_said_with_the_budget_that_would_do(tmp_path, monk
     monkeypatch.setattr(Study, "costs", lambda *_: {"one": Cost(1000, 1000, 300.0)})
     study.run()
     assert not study.numbers and re.search(r"takes about 5.1 min, .* --budget 6min goes on", study.ended)
-
-
-def test_on_a_machine_that_others_use_the_next_step_is_judged_by_the_clock(tmp_path, monkeypatch):
-    """The first step takes three times what was expected, so the second, of 3.1 min, does not fit into five more."""
-    now = [0.0]
-
-    def slowly(*_, **__):
-        now[0] += 3.0 * 186.0
-        return {}
-
-    study = Study(SCENE, tmp_path, Plan(budget_s=3.0 * 186.0 + 300.0))
-    monkeypatch.setattr(module, "simulate", slowly)
-    monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(Study, "costs", lambda *_: {study.ladder.main(0).name: Cost(1000, 1000, 180.0)})
-    monkeypatch.setattr(Study, "_read", lambda *_: None)
-    study.run()
-    assert now[0] == pytest.approx(558.0)
-    assert re.search(r"takes about 9.3 min, and 5 min are left; .* --budget 10min goes on", study.ended), study.ended
 
 
 @pytest.mark.parametrize(("displacement", "scaling"), [(0.02, 1.0), (0.002, 1.0), (0.005, 100.0)])

@@ -51,7 +51,6 @@ class Study:
     steps: int = field(default=0, init=False)
     ended: str = field(default="", init=False)
     met: bool = field(default=False, init=False)
-    slowness: float = field(default=1.0, init=False)  # of the last step: time by the clock over what was expected
 
     def __post_init__(self):
         """Make the ladder, and refuse a folder that holds another scene's."""
@@ -118,7 +117,7 @@ class Study:
                 raise
             self.ended = f"The ladder ends here: {error}."
             return None
-        minutes, left = self.slowness * self.minutes(expected), (self.plan.budget_s - spent_s) / 60.0
+        minutes, left = self.minutes(expected), (self.plan.budget_s - spent_s) / 60.0
         rung = self.ladder.main(step)
         across = round(self.scene.silo.width_m / rung.cell_m)
         what = f"step {step + 1}: cells of {1e3 * rung.cell_m:.4g} mm, {across} across"
@@ -142,23 +141,17 @@ class Study:
             if run.folder.exists():
                 own(run.folder)
         if missing:
-            began = time.monotonic()
             with self.cluster.pool(self.folder, len(missing), RETRIES) as pool:
                 failures = simulate(missing, pool, self.console, expected=expected)
-            self.slowness = max(1.0, (time.monotonic() - began) / (60.0 * self.minutes(expected)))
             if failures:
                 name, why = next(iter(failures.items()))
                 self.ended = f"The run {name} failed: {why}."
                 self._leave()
                 raise RunFailed(f"in the run {name}: {why}")
-        self._read(step)
-        self._leave()
-
-    def _read(self, step: int) -> None:
-        """Renew the numbers with what the runs of a step found."""
         self.steps = step + 1
         self.found |= {name: quantities(Result(self.runs[name].folder)) for name in self.ladder.step(step)}
         self.numbers = estimate(self.ladder, self.steps, self.found)
+        self._leave()
 
     def _good_enough(self) -> bool:
         """Whether the error is met; says how large it is."""
