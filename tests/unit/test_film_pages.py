@@ -118,6 +118,24 @@ def test_the_word_of_the_weight_stays_within_its_axes_on_small_pages(size, folde
     assert label.get_window_extent().width <= forces.get_window_extent().width
 
 
+@pytest.mark.parametrize("size", [SIZE, (1080, 1080), (960, 540)])
+def test_a_letter_leaves_the_axis_whole(size, folder):
+    """The letters of forces that are all near zero stand on the axis, and their white rims would wipe it out."""
+    runtime.init("cpu", 1)
+    scene, look = scene_of("standard"), Look(field="void_ratio", size=size)
+    canvas = Picture(scene, scale_of(Result(folder), look, False), course_of(scene), look, note=force_rows.NOTE).canvas
+    own, plot = canvas.curves, canvas.curves.plot
+    own.tip = np.array([[0.5 * plot.columns, plot.rows - one] for one in (1.0, 3.0, 5.0)])
+    axis = plot.top + plot.rows
+    frame = np.full((size[1], size[0], 3), 255, np.uint8)
+    frame[axis] = 0
+    own.mark_tips(frame)
+    beside = (
+        plot.left + round(own.tip[0, 0]) + canvas.layout.long(14)
+    )  # of the dots, which stand on the axis themselves
+    assert (frame[:axis, beside:] < 255).any() and not frame[axis, beside:].any()
+
+
 def test_letters_of_curves_are_a_gap_apart_and_above_the_axis():
     for rows in ([10.0, 12.0, 14.0], [100.0, 498.0, 499.0], [480.0, 490.0, 500.0]):
         found = curves.apart(np.array(rows), 36.0, 486.0)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from taichi_silo.show.film.canvas import Canvas
-from taichi_silo.show.film.curves import FORCES, HALF_WIDTH, LIGHT, Curves, apart
+from taichi_silo.show.film.curves import FORCES, HALF_WIDTH, LIGHT, LOWEST, Curves, apart
 from taichi_silo.show.film.lettering import INK
 from taichi_silo.show.film.moments import Moment
 from taichi_silo.show.film.renderer import Renderer
@@ -71,7 +71,7 @@ def _curves(forces: Axes, curves: Curves, scale: float) -> None:
         return
     plot, zoom, order = curves.plot, curves.layout.zoom, curves.tip[:, 1].argsort()
     across = forces.get_xlim()[1] * curves.tip[0, 0] / (plot.columns - 1)
-    heights = apart(curves.tip[order, 1].clip(0, plot.rows - 1), 36 * zoom, plot.rows - 14 * zoom)
+    heights = apart(curves.tip[order, 1].clip(0, plot.rows - 1), 36 * zoom, plot.rows - LOWEST * zoom)
     for height, k in zip(heights, order, strict=True):
         letter, _, colour = FORCES[k]
         own = 1e-3 * curves.top_force * (1.0 - curves.tip[k, 1] / (plot.rows - 1))
