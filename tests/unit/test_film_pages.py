@@ -225,6 +225,22 @@ def test_a_svg_has_the_sand_as_an_image_and_is_the_same_each_time(folder, tmp_pa
     assert text == (tmp_path / "b.svg").read_text()
 
 
+def test_a_svg_is_as_large_as_its_frame(folder, tmp_path):
+    """Editors and browsers take its size from its first element."""
+    ts.render(folder, tmp_path / "a.svg", frame=10.0, size=(640, 360))
+    head = (tmp_path / "a.svg").read_text().split("<metadata>")[0]
+    assert 'width="640" height="360"' in head and "viewBox" in head
+
+
+def test_two_runs_of_one_title_are_told_apart_by_their_folders(folder, tmp_path):
+    runtime.init("cpu", 1)
+    other = made_up.leave(tmp_path / "again")
+    runs = Result(folder), Result(other)
+    titles = [[side.picture.canvas.title for side in Pair(runs, Look(size=(640, 360), title=own)).sides]
+              for own in (None, "Mine")]  # fmt: skip
+    assert [one.split(":")[0] for one in titles[0]] == [folder.name, "again"] and titles[1] == ["Mine", "Mine"]
+
+
 def test_zoom_shows_a_part_of_the_same_picture_larger(folder, tmp_path):
     runtime.init("cpu", 1)
     history = Result(folder)

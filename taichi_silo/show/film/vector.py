@@ -1,5 +1,7 @@
 """One picture as SVG: lines and letters stay sharp at any size, the sand is an image in it."""
 
+import io
+import re
 from pathlib import Path
 
 import matplotlib
@@ -30,7 +32,13 @@ def write_svg(renderer: Renderer, moment: Moment, file: Path) -> None:
         _words(canvas, moment)
         _curves(forces, canvas.curves, canvas.course.scale)
     with matplotlib.rc_context({"svg.hashsalt": "taichi_silo"}):  # the same picture is the same file
-        figure.savefig(file, format="svg", facecolor=figure.get_facecolor(), metadata={"Date": None})
+        text = io.StringIO()
+        figure.savefig(text, format="svg", facecolor=figure.get_facecolor(), metadata={"Date": None})
+    columns, rows = canvas.layout.size
+    sized = re.sub(
+        r'(<svg [^>]*?)width="[^"]*" height="[^"]*"', rf'\1width="{columns}" height="{rows}"', text.getvalue(), count=1
+    )
+    file.write_text(sized, encoding="utf-8")
 
 
 def _walls(canvas: Canvas) -> None:
