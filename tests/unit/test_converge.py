@@ -9,11 +9,14 @@ import sys
 import pandas as pd
 import pytest
 import tomli_w
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.cost_estimate import Cost
 from taichi_silo.scene.dotted_paths import changed
 from taichi_silo.scene.scene import Machine, Scene
+from taichi_silo.show.figures.convergence import convergence_figure
+from taichi_silo.show.report.convergence import with_error
 from taichi_silo.simulation import outflow
 from taichi_silo.studies.converge.estimate import estimate
 from taichi_silo.studies.converge.ladder import LEAST_FINER, MOST_FINER, Ladder, Rung
@@ -147,6 +150,19 @@ def test_the_worst_of_the_numbers_asked_for_decides():
     one = ladder()
     numbers = estimate(one, 3, made_up(one, 3, cells=10.0))
     assert Plan().worst(numbers)[0] == "N_residual"
+
+
+def test_a_number_known_to_round_off_has_five_digits_and_a_panel_with_short_numbers():
+    """Friction that is mobilised to its limit is the same on all cells but for the last digits of a number."""
+    assert with_error(0.3249196962329, 1.4e-14, "") == ("0.32492 ± 0.00000", "")
+    assert with_error(0.3249196962329, 1.4e-4, "") == ("0.32492 ± 0.00014", "")
+    cells = [0.01, 0.005, 0.0025]
+    runs = pd.DataFrame({"main": True, "speed_m_per_s": 0.01, "cell_size_m": cells,
+                         "TN_residual": [0.3249196962329, 0.3249196962328, 0.324919696233]})  # fmt: skip
+    numbers = pd.DataFrame([{"quantity": "TN_residual", "value": 0.3249196962329, "error": 1.4e-14, "unit": ""}])
+    figure = convergence_figure((runs, numbers))
+    FigureCanvasAgg(figure).draw()
+    assert all(len(label.get_text()) <= 7 for label in figure.axes[0].get_yticklabels())
 
 
 def test_quantities_have_words():

@@ -248,3 +248,16 @@ def test_every_fact_names_the_clause_of_its_own_kind_of_silo(height, clauses):
     report = EurocodeReport.of(Design(silo=Silo(width_m=10, height_m=height, section="round")))
     words = report.facts["C_h, C_w"] + report.depth_table().note.split("n_zSk, p_vf: ")[1]
     assert re.findall(r"5\.(\d)\.", words) == [clauses, clauses]
+
+
+def test_a_wedge_says_how_it_departs_from_the_print_and_that_a_pyramid_is_none():
+    def notes(**more):
+        silo = Silo(
+            width_m=4.0, height_m=14.0, hopper=Hopper(half_angle_deg=18.0, outlet_width_m=0.8), **more.pop("s", {})
+        )
+        return EurocodeReport.of(Design(silo=silo, eurocode=Eurocode(solid="coal", wall="D1", **more))).notes
+
+    apart, pyramid = "the code prints -2", "a pyramid's is not computed"
+    assert any(apart in one for one in notes()) and not any(pyramid in one for one in notes())
+    assert any(apart in one for one in notes(length_m=6.0)) and any(pyramid in one for one in notes(length_m=6.0))
+    assert not any(apart in one or pyramid in one for one in notes(s={"section": "round"}))

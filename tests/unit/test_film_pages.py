@@ -118,6 +118,24 @@ def test_the_word_of_the_weight_stays_within_its_axes_on_small_pages(size, folde
     assert label.get_window_extent().width <= forces.get_window_extent().width
 
 
+@pytest.mark.parametrize("size", [SIZE, (1080, 1080), (960, 540)])
+def test_a_letter_leaves_the_axis_whole(size, folder):
+    """The letters of forces that are all near zero stand on the axis, and their white rims would wipe it out."""
+    runtime.init("cpu", 1)
+    scene, look = scene_of("standard"), Look(field="void_ratio", size=size)
+    canvas = Picture(scene, scale_of(Result(folder), look, False), course_of(scene), look, note=force_rows.NOTE).canvas
+    own, plot = canvas.curves, canvas.curves.plot
+    own.tip = np.array([[0.5 * plot.columns, plot.rows - one] for one in (1.0, 3.0, 5.0)])
+    axis = plot.top + plot.rows
+    frame = np.full((size[1], size[0], 3), 255, np.uint8)
+    frame[axis] = 0
+    own.mark_tips(frame)
+    beside = (
+        plot.left + round(own.tip[0, 0]) + canvas.layout.long(14)
+    )  # of the dots, which stand on the axis themselves
+    assert (frame[:axis, beside:] < 255).any() and not frame[axis, beside:].any()
+
+
 def test_letters_of_curves_are_a_gap_apart_and_above_the_axis():
     for rows in ([10.0, 12.0, 14.0], [100.0, 498.0, 499.0], [480.0, 490.0, 500.0]):
         found = curves.apart(np.array(rows), 36.0, 486.0)
@@ -205,6 +223,22 @@ def test_a_svg_has_the_sand_as_an_image_and_is_the_same_each_time(folder, tmp_pa
     text = (tmp_path / "a.svg").read_text()
     assert text.startswith("<?xml") and text.count("<image") == 2  # the sand and the colours of the bar
     assert text == (tmp_path / "b.svg").read_text()
+
+
+def test_a_svg_is_as_large_as_its_frame(folder, tmp_path):
+    """Editors and browsers take its size from its first element."""
+    ts.render(folder, tmp_path / "a.svg", frame=10.0, size=(640, 360))
+    head = (tmp_path / "a.svg").read_text().split("<metadata>")[0]
+    assert 'width="640" height="360"' in head and "viewBox" in head
+
+
+def test_two_runs_of_one_title_are_told_apart_by_their_folders(folder, tmp_path):
+    runtime.init("cpu", 1)
+    other = made_up.leave(tmp_path / "again")
+    runs = Result(folder), Result(other)
+    titles = [[side.picture.canvas.title for side in Pair(runs, Look(size=(640, 360), title=own)).sides]
+              for own in (None, "Mine")]  # fmt: skip
+    assert [one.split(":")[0] for one in titles[0]] == [folder.name, "again"] and titles[1] == ["Mine", "Mine"]
 
 
 def test_zoom_shows_a_part_of_the_same_picture_larger(folder, tmp_path):

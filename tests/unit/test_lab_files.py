@@ -212,3 +212,30 @@ def test_what_no_sand_does_is_refused_before_any_fit(tmp_path, kind):
 def test_noise_of_an_oedometer_test_is_no_rise(tmp_path):
     (test,) = lab(tmp_path, "axial stress [kPa],void ratio\n50,0.8\n60,0.803\n100,0.79\n200,0.78\n").oedometers
     assert len(test.void_ratio) == 4
+
+
+def test_a_sign_does_not_hang_on_first_values_that_noise_has_led_astray(tmp_path):
+    """Of five noisy points of an oedometer h_s was 100 GPa: dense sand would have lost volume then."""
+    rows = [
+        "0.162,44.4,0.042",
+        "1.131,275.8,0.346",
+        "2.090,433.1,-0.043",
+        "3.072,478.3,-0.500",
+        "4.012,493.3,-1.135",
+        "4.944,471.8,-1.715",
+        "5.897,451.3,-2.274",
+        "6.810,414.4,-2.731",
+        "7.744,407.4,-3.251",
+        "8.639,374.9,-3.607",
+        "9.525,363.5,-4.076",
+        "10.432,359.4,-4.435",
+        "11.301,351.9,-4.797",
+        "12.190,331.0,-5.063",
+    ]
+    (tmp_path / "dense.csv").write_text(
+        "\n".join(["# cell pressure: 100 kPa, e0: 0.66", "axial strain [%],q [kPa],volumetric strain [%]", *rows])
+    )
+    astray = {"critical_friction_angle_deg": 32.95, "granular_hardness_Pa": 1e11, "n": 0.1, "alpha": 0.15,
+              "beta": 0.776, "e_i0": 1.081, "e_c0": 0.94, "e_d0": 0.61}  # fmt: skip
+    whole = read_laboratory(tmp_path)
+    assert with_signs(whole, astray).triaxials[0].volume_strain[-1] == whole.triaxials[0].volume_strain[-1] < 0.0

@@ -1,6 +1,7 @@
 """Figures are drawn from the files of a run, complete or not."""
 
 import json
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -18,7 +19,7 @@ from taichi_silo.scene.silo import Hopper, Outlet, Silo
 from taichi_silo.show.figures import plot_run
 from taichi_silo.show.figures.forces import run_forces_figure
 from taichi_silo.show.figures.outflow import run_outflow_figure
-from taichi_silo.show.figures.style import legend_below, new_figure, put_title
+from taichi_silo.show.figures.style import legend_below, make_logarithmic, new_figure, put_title
 from taichi_silo.show.figures.void_ratio import (
     around,
     chosen_snapshots,
@@ -210,3 +211,25 @@ def test_lines_of_a_title_are_about_as_long_as_each_other_and_part_no_number_fro
     assert len(last) > 0.6 * len(first)
     assert any("= 0.60" in line.replace("\u00a0", " ") for line in lines)
     assert any("100 mm" in line.replace("\u00a0", " ") for line in lines)
+
+
+@pytest.mark.parametrize(
+    "ends", [(25, 800), (12.5, 400), (0.003, 0.9), (2, 3), (1, 9), (10, 300), (1e-4, 500), (90, 110)]
+)
+@pytest.mark.parametrize("name", ["xaxis", "yaxis"])
+def test_numbers_on_a_logarithmic_axis_do_not_touch(ends, name):
+    figure = new_figure(4.2, 3.2)
+    panel = figure.subplots()
+    panel.plot(ends, ends)
+    axis = getattr(panel, name)
+    make_logarithmic(axis)
+    FigureCanvasAgg(figure).draw()
+    low, high = sorted(axis.get_view_interval())
+    labels = [one for one in axis.get_ticklabels() if one.get_text() and low <= _place(one, name) <= high]
+    assert len(labels) >= 2 and not any("$" in one.get_text() for one in labels)
+    boxes = [one.get_window_extent() for one in labels]
+    assert not any(a.expanded(1.05, 1.05).overlaps(b) for a, b in pairwise(boxes)), [one.get_text() for one in labels]
+
+
+def _place(label, name):
+    return label.get_position()[name == "yaxis"]

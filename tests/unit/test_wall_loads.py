@@ -65,6 +65,14 @@ def test_a_hopper_s_bands_carry_what_walker_says():
     assert total == pytest.approx(hopper.wall_force_N_per_m * np.pi * 10.0, rel=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("case", "zero"), [("filling_pressure", "the foot of the wall"), ("hopper_filling", "the outlet")]
+)
+def test_an_include_file_says_where_its_heights_begin(case, zero):
+    texts, _ = abaqus.include_files(loads(ROUND)[case], "EN 1991-4")
+    assert all(text.splitlines()[1] == f"** units N, m, Pa; z upwards from {zero}" for text in texts.values())
+
+
 @pytest.mark.parametrize(("end", "keyword"), [("", "*DSLOAD"), ("_elements", "*DLOAD")])
 def test_an_include_file_has_a_pressure_and_a_traction_for_each_surface(end, keyword):
     load = loads(ROUND)["discharge_pressure"]

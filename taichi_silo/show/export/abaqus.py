@@ -70,8 +70,9 @@ def include_files(load: "WallLoad", about: str) -> tuple[dict[str, str], list[di
 
 
 def _text(load: "WallLoad", about: str, found: list[dict], keyword: str, pressure: str) -> str:
+    zero = "the outlet" if load.wall == "hopper" else "the foot of the wall"
     lines = [
-        f"** {about}: {load.case}, {load.about}", "** units N, m, Pa; z upwards from the foot of the wall",
+        f"** {about}: {load.case}, {load.about}", f"** units N, m, Pa; z upwards from {zero}",
         f"** P: {pressure}; TRSHR: friction of the solid on the wall, downwards", keyword,
     ]  # fmt: skip
     for one in found:

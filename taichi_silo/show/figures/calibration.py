@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from taichi_silo.show.figures.style import COLORS, new_figure, put_title
+from taichi_silo.show.figures.style import COLORS, make_logarithmic, new_figure, put_title
 
 
 class Compression(NamedTuple):
@@ -48,7 +48,7 @@ def compression_figure(tests: list[Compression]) -> Figure | None:
             x, y = 1e-3 * test.stress_Pa[chosen][::every], test.void_ratio[chosen][::every]
             panel.plot(x, y, color=color, markerfacecolor=fill, **POINTS)
         panel.plot(1e-3 * test.line_stress_Pa, test.line_void_ratio, color=color, label=test.name)
-    panel.set_xscale("log")
+    make_logarithmic(panel.xaxis)
     panel.set(xlabel="axial stress (kPa)", ylabel="void ratio")
     panel.legend()
     put_title(figure, "Oedometer tests", "points: measured (open: not of first loading, not fitted); lines: the law")

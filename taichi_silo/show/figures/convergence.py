@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from taichi_silo.show.figures.style import BLUE, COLORS, REFERENCE, new_figure
+from taichi_silo.show.figures.style import BLUE, COLORS, REFERENCE, make_logarithmic, new_figure
 
 PANELS = (
     ("P_filled", "T_filled", "N_filled"),
@@ -18,7 +18,7 @@ TITLES = {
     "zone_thickness": "thickness of the wall zone",
 }  # fmt: skip
 UNITS = {"N/m": ("kN/m", 1e-3), "Pa": ("kPa", 1e-3), "m": ("mm", 1e3), "-": ("", 1.0)}
-ROUND_OFF = 1e-6  # below which an error is drawn there
+ROUND_OFF = 1e-6  # below which an error is drawn there, and has no digit that counts
 
 
 def shown_in(unit: str) -> tuple[str, float]:
@@ -61,6 +61,9 @@ def _values(panel, runs: pd.DataFrame, numbers: pd.DataFrame, name: str) -> None
         panel.plot(1e3 * others["cell_size_m"], factor * others[name], "o", mfc="white", color=REFERENCE,
                    label="with the length of the step before")  # fmt: skip
     panel.set_xlim(0.0, 1.05e3 * main["cell_size_m"].max())
+    low, high = panel.get_ylim()
+    if high - low < 1e2 * ROUND_OFF * abs(value):  # runs that differ by round-off are alike
+        panel.set_ylim(sorted((0.99 * value, 1.01 * value)))
     panel.ticklabel_format(axis="y", useOffset=False)
     panel.set_title(TITLES[name])
     panel.set_xlabel("size of the cells (mm)")
@@ -82,10 +85,12 @@ def cost_figure(found: tuple[pd.DataFrame, pd.DataFrame]) -> Figure | None:
             number = numbers.loc[name]
             measure = number["error"] / number["relative_error"] if number["relative_error"] else np.nan
             errors = (main[name] - number["value"]).abs() / measure
-            panel.loglog(main["core_seconds"], 100.0 * np.maximum(errors, ROUND_OFF), "o-", color=colour, label=name[0])
+            panel.plot(main["core_seconds"], 100.0 * np.maximum(errors, ROUND_OFF), "o-", color=colour, label=name[0])
             panel.axhline(100.0 * max(number["relative_error"], ROUND_OFF), color=colour, lw=1.0, ls=(0, (5, 3)))
         panel.set_title(TITLES[names[0]].replace("P ", "forces "))
         panel.set_xlabel("cost of the run (core-seconds)")
+    for axis in (*(panel.xaxis for panel in panels), *(panel.yaxis for panel in panels)):
+        make_logarithmic(axis)
     panels[0].set_ylabel("distance from the limit, % of the weight")
     panels[0].legend(title="dashed: error of the limit")
     return figure

@@ -11,7 +11,7 @@ from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from taichi_silo.show.figures.style import BLUE, REFERENCE, WORDS, new_figure, start_at_zero
+from taichi_silo.show.figures.style import BLUE, REFERENCE, WORDS, make_logarithmic, new_figure, start_at_zero
 from taichi_silo.utils.messages import counted
 
 NUMBERS = "viridis"
@@ -109,7 +109,7 @@ def _panel(figure, panel, table: pd.DataFrame, x: str, y: str, colour: str | Non
         panel.set_xticks(range(len(ticks)), ticks)
         panel.set_xlim(-0.6, len(ticks) - 0.4)
     elif _wide(places):
-        panel.set_xscale("log")
+        make_logarithmic(panel.xaxis)
     if bar is not None and colour is not None:
         figure.colorbar(bar, ax=panel, label=label(colour), pad=0.02)
     if handles:

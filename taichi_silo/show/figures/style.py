@@ -7,6 +7,7 @@ from typing import Any
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # a font of formulas that is missing costs nothing
 
@@ -15,6 +16,7 @@ PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
 COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)  # one after the other, where they mean nothing
 WORDS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY)  # of values that are words, and of components
 REFERENCE = "#555555"  # theory and reference lines
+LEAST_LOG, MOST_FOR_125 = 5.0, 1000.0  # ratio of the ends from which 1, 2, 5 are ticks enough, and up to which they fit
 
 STYLE: Any = {
     "font.size": 12,
@@ -80,3 +82,14 @@ def start_at_zero(panels, axis: str):
         return
     for panel in panels:
         getattr(panel, f"set_{axis}lim")(1.05 * low if low < -0.05 * high else 0.0, 1.07 * high)
+
+
+def make_logarithmic(axis):
+    """Make a finished panel's axis logarithmic, with plain numbers that do not touch."""
+    if axis.get_scale() != "log":  # else those that share it would lose what follows
+        getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
+    low, high = sorted(axis.get_view_interval())
+    steps = (1.0, 2.0, 5.0) if high < MOST_FOR_125 * low else (1.0,)
+    axis.set_major_locator(LogLocator(subs=steps, numticks=9) if high > LEAST_LOG * low else MaxNLocator(4))
+    axis.set_major_formatter(lambda value, _: f"{value:g}")
+    axis.set_minor_locator(NullLocator())

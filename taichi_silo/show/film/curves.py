@@ -17,6 +17,7 @@ FORCES = (
 )
 LIGHT = 0.25  # weight of a band's colour
 HALF_WIDTH = 2.75  # of a curve
+LOWEST = 22  # place of the middle of a letter above the axis: half its height, and its rim
 
 
 class Course(NamedTuple):
@@ -125,7 +126,7 @@ class Curves:
                 window, cover = stroke(frame.shape[:2], tip, tip, radius * layout.zoom)
                 blend(frame[window], cover, fill)
         order, room = np.argsort(tips[:, 1]), layout.long(30)
-        heights = apart(tips[order, 1], layout.long(36), plot.top + plot.rows - layout.long(14))
+        heights = apart(tips[order, 1], layout.long(36), plot.top + plot.rows - layout.long(LOWEST))
         left = round(tips[0, 0]) + layout.long(16)
         top = int(np.clip(heights[0] - room, 0, frame.shape[0] - 2 * room))
         strip = frame[top : min(frame.shape[0], int(heights[2]) + room), left : left + layout.long(50)]

@@ -15,7 +15,7 @@ from taichi_silo.show.film.curves import Course
 from taichi_silo.show.film.force_rows import ForceRows
 from taichi_silo.show.film.look import COLOURS, Look, view_of, whole
 from taichi_silo.show.film.moments import Moment, sunk
-from taichi_silo.show.film.picture import Picture, course_of
+from taichi_silo.show.film.picture import Picture, course_of, title
 
 SAMPLED = 12  # states of the flow from which the range of colours follows
 OF_FILM_STATES = ("void_ratio", "layers")  # fields for which the states of the film suffice; others take the snapshots
@@ -148,7 +148,7 @@ class Pair:
         self.sides = [
             Renderer(
                 history,
-                look,
+                replace(look, title=words),
                 kept,
                 course,
                 scale,
@@ -157,7 +157,7 @@ class Pair:
                 at_most=at_most,
                 largest_N_per_m=largest,
             )
-            for history, kept in zip(histories, states, strict=True)
+            for history, kept, words in zip(histories, states, _titles(histories, look), strict=True)
         ]
         self.scale = scale
 
@@ -182,3 +182,11 @@ def halves(look: Look) -> tuple[bool, tuple[int, int]]:
     wide, high = look.page_size
     stacked = high > wide
     return stacked, ((wide, high // 2) if stacked else (wide // 2, high))
+
+
+def _titles(histories: tuple[Result, Result], look: Look) -> list[str | None]:
+    """Titles of two runs: that of one's own, or each run's, with its folder where they are alike."""
+    words = [title(history.scene) for history in histories]
+    if look.title is not None or words[0] != words[1]:
+        return [look.title, look.title]
+    return [f"{history.folder.resolve().name}: {one}" for history, one in zip(histories, words, strict=True)]

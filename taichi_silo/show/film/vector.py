@@ -1,5 +1,7 @@
 """One picture as SVG: lines and letters stay sharp at any size, the sand is an image in it."""
 
+import io
+import re
 from pathlib import Path
 
 import matplotlib
@@ -7,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from taichi_silo.show.film.canvas import Canvas
-from taichi_silo.show.film.curves import FORCES, HALF_WIDTH, LIGHT, Curves, apart
+from taichi_silo.show.film.curves import FORCES, HALF_WIDTH, LIGHT, LOWEST, Curves, apart
 from taichi_silo.show.film.lettering import INK
 from taichi_silo.show.film.moments import Moment
 from taichi_silo.show.film.renderer import Renderer
@@ -30,7 +32,13 @@ def write_svg(renderer: Renderer, moment: Moment, file: Path) -> None:
         _words(canvas, moment)
         _curves(forces, canvas.curves, canvas.course.scale)
     with matplotlib.rc_context({"svg.hashsalt": "taichi_silo"}):  # the same picture is the same file
-        figure.savefig(file, format="svg", facecolor=figure.get_facecolor(), metadata={"Date": None})
+        text = io.StringIO()
+        figure.savefig(text, format="svg", facecolor=figure.get_facecolor(), metadata={"Date": None})
+    columns, rows = canvas.layout.size
+    sized = re.sub(
+        r'(<svg [^>]*?)width="[^"]*" height="[^"]*"', rf'\1width="{columns}" height="{rows}"', text.getvalue(), count=1
+    )
+    file.write_text(sized, encoding="utf-8")
 
 
 def _walls(canvas: Canvas) -> None:
@@ -71,7 +79,7 @@ def _curves(forces: Axes, curves: Curves, scale: float) -> None:
         return
     plot, zoom, order = curves.plot, curves.layout.zoom, curves.tip[:, 1].argsort()
     across = forces.get_xlim()[1] * curves.tip[0, 0] / (plot.columns - 1)
-    heights = apart(curves.tip[order, 1].clip(0, plot.rows - 1), 36 * zoom, plot.rows - 14 * zoom)
+    heights = apart(curves.tip[order, 1].clip(0, plot.rows - 1), 36 * zoom, plot.rows - LOWEST * zoom)
     for height, k in zip(heights, order, strict=True):
         letter, _, colour = FORCES[k]
         own = 1e-3 * curves.top_force * (1.0 - curves.tip[k, 1] / (plot.rows - 1))

@@ -6,7 +6,7 @@ import pandas as pd
 
 from taichi_silo.scene.scene import Scene
 from taichi_silo.show import html
-from taichi_silo.show.figures.convergence import shown_in
+from taichi_silo.show.figures.convergence import ROUND_OFF, shown_in
 from taichi_silo.show.report.tables import ReportTable
 from taichi_silo.show.report.words import NONE, number, per_cent
 from taichi_silo.utils import atomic_write
@@ -40,12 +40,15 @@ def _title(scene: Scene) -> str:
 
 
 def with_error(value: float, error: float, unit: str) -> tuple[str, str]:
-    """A number with its error, both to the second digit of the error, and the unit that they are in."""
+    """A number with its error, both to the second digit of the error, and the unit that they are in.
+
+    An error of round-off has no digit that counts: such a number has five of its own.
+    """
     name, factor = shown_in(unit)
     value, error = factor * value, factor * error
     if error != error:
         return f"{number(value)} ± {NONE}", name
-    size = abs(error) if error else 1e-3 * abs(value)
+    size = abs(error) if abs(error) > ROUND_OFF * abs(value) else 1e-3 * abs(value)
     places = 1
     while size * 10**places < 9.5 and places < 8:
         places += 1

@@ -115,6 +115,8 @@ class EurocodeReport:
             found.append("The inclined walls of the outline are no cone or wedge of section 6: they are not computed.")
         elif self.bottom.kind != "flat" and not self.hopper_rows:
             found.append("Of so wide a hopper Walker's theory has no passive state: it is not computed.")
+        elif self.bottom.kind != "flat" and self.silo.section == "plane":
+            found += self._wedge_notes(self.bottom.kind)
         if self.channels and self.bottom is not None and flow_pattern(self.bottom) == "mass flow":
             found.append(
                 "Mass flow (3.3) is said of a hopper about the axis, by its angle and friction; 5.2.4 asks for flow "
@@ -126,6 +128,18 @@ class EurocodeReport:
             )
         if self.silo.action_class > 1 and self.silo.slenderness in ("squat", "intermediate"):
             found.append("Large eccentricities of the heap (5.3.3) are not computed.")
+        return found
+
+    def _wedge_notes(self, kind: str) -> list[str]:
+        """How a wedge's numbers depart from the print, and what of a rectangular silo they leave out."""
+        found = []
+        if kind == "steep":
+            found.append(
+                "On discharge this wedge is in vertical equilibrium, n = F (mu_h cot(beta) + 1) - 1 (6.1.2); as far as "
+                "could be confirmed the code prints -2, which is right for a cone and gives a wedge larger pressures."
+            )
+        if self.silo.length_m is not None:
+            found.append("The hopper is a wedge along the longer side; a pyramid's is not computed.")
         return found
 
     def depth_table(self) -> ReportTable:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from taichi_silo.show.figures.calibration import Compression, Shearing
-from taichi_silo.studies.calibrate.closed_formulas import jaky
+from taichi_silo.studies.calibrate.closed_formulas import USUAL, jaky
 from taichi_silo.studies.calibrate.fit import Fit
 from taichi_silo.studies.calibrate.lab_tests import Laboratory, Oedometer, Triaxial
 from taichi_silo.studies.calibrate.paths import Curve, Law, oedometer, triaxial
@@ -13,6 +13,7 @@ from taichi_silo.studies.calibrate.paths import Curve, Law, oedometer, triaxial
 TURN = 0.1  # share of the whole range by which a test must go back to have turned
 MOST_TURNS = 20
 OPPOSITE = -0.5  # correlation of a volume strain with what the law gives, below which its sign is the other one
+HARDNESSES_PA = 2e7, 2e10  # a tenth of the least and some three times the largest of the published sands
 
 
 def compressions(lab: Laboratory, fit: Fit) -> list[Compression]:
@@ -53,9 +54,13 @@ def followed_triaxial(test: Triaxial, constants: dict[str, float], void_ratio: f
 def with_signs(lab: Laboratory, constants: dict[str, float]) -> Laboratory:
     """The tests, with volume strains turned that are plainly the other way than what the law gives.
 
-    Laboratories count loss or gain of volume as positive; dense sand gains, loose sand loses, whatever the constants.
+    Laboratories count loss or gain of volume as positive; dense sand gains, loose sand loses, as far as its hardness is
+    that of a sand. A first value from a few noisy points may be so far off that the law does the opposite.
     """
     tests, remarks = [], list(lab.remarks)
+    low, high = HARDNESSES_PA
+    if not low <= constants["granular_hardness_Pa"] <= high:
+        constants = constants | {name: USUAL[name] for name in ("granular_hardness_Pa", "n")}
     for test in lab.triaxials:
         known = np.isfinite(test.volume_strain)
         if not test.sign_known and known.any():
