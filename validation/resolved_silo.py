@@ -55,7 +55,7 @@ def resolved_silo(
     """Run the silo on all grids and say what its numbers tend to."""
     output = output.expanduser()
     runs = planned(output)
-    run_all(runs, output)
+    run_all({" ".join(key): run for key, run in runs.items()}, output)
     results = {key: Result(run.folder) for key, run in runs.items()}
     tables = {"runs": of_runs(results), "limits": of_limits(results), "statements": of_statements(output)}
     for name, table in tables.items():
@@ -68,10 +68,12 @@ def resolved_silo(
 
 def planned(output: Path) -> dict[tuple[str, str], Run]:
     """The runs by sand and by the name of their grid; the folder of each is named as the paper's flow."""
-    kinds = [(sand, f"cells-{cells}", CELL_M[cells], "rigid") for sand in SANDS for cells in (PAPERS, *RESOLVED)]
+    kinds: list[tuple] = [
+        (sand, f"cells-{cells}", CELL_M[cells], {}) for sand in SANDS for cells in (PAPERS, *RESOLVED)
+    ]
     found = {}
-    for sand, grid, cell, wall in (*kinds, ("dense", LEFT_OUT, CELL_M[80], "ignored")):
-        own = {"sand.void_ratio": DENSITIES[sand], "grid.cell_size_m": cell, "averaging.wall": wall}
+    for sand, grid, cell, more in (*kinds, ("dense", LEFT_OUT, CELL_M[80], {"averaging.wall": "ignored"})):
+        own = {"sand.void_ratio": DENSITIES[sand], "grid.cell_size_m": cell, **more}
         folder = output / grid / f"{sand}_very-rough_bottom"
         found[sand, grid] = Run(changed(Scene(), BASE | own), folder, film=grid == f"cells-{FINEST}")
     return found
