@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.runs.certificate import certificate, noise
 from taichi_silo.scene.scene import Flow, Scene
 from taichi_silo.simulation.clock import Clock
@@ -44,7 +45,8 @@ def state(time_s, settle=0.0, path=0.0):
 
 
 def judge(records, final, filled=None):
-    model = SimpleNamespace(period=PERIOD, mass=165.6, section=SimpleNamespace(points_per_computed=1))
+    section = SimpleNamespace(points_per_computed=1)
+    model = SimpleNamespace(period=PERIOD, mass=165.6, section=section, control=NoiseControl())
     simulation = SimpleNamespace(scene=SCENE, model=model, clock=Clock(settled=True, flow_start=0.0))
     return certificate(records, filled or state(0.0), final, simulation)
 

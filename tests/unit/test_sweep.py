@@ -210,7 +210,10 @@ def test_what_is_not_possible_is_refused_in_a_sentence(text, sentence):
         (["walls.kind=smooth"], "friction_angle_deg is not given; smooth walls need"),
         (["sand=sahara"], "sand=sahara: sand is sahara; it must be"),
         (["sand=hostun", "sand.void_ratio=dense"], "void ratio is dense; it must be a number"),
-        (["silo.width_m=0.2,0.333"], "silo.width_m=0.333: cell size is 0.005 m; it must divide the width of 0.333 m"),
+        (
+            ["grid.cell_size_m=0.01,0.03"],
+            "grid.cell_size_m=0.03: cell size is 0.03 m; it must divide the width",
+        ),
         ([f"sand.{name}=" + ",".join(map(str, range(30))) for name in ("n", "alpha", "beta")], "make 27000 runs"),
         (["sand=" + "a" * 300 + ".toml"], "at most 200 are allowed"),
     ],
