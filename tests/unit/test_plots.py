@@ -23,6 +23,7 @@ from taichi_silo.show.figures.style import legend_below, make_logarithmic, new_f
 from taichi_silo.show.figures.void_ratio import (
     around,
     chosen_snapshots,
+    color_bar,
     color_range,
     draw_field,
     limits_of,
@@ -147,6 +148,13 @@ def test_figures_of_a_run(tmp_path):
 
 def test_a_run_that_ended_while_filling_is_drawn(tmp_path):
     assert_drawn(plot_run(left(tmp_path / "run", until_mm=0)), NAMES[:3])
+
+
+def test_the_scale_of_the_void_ratio_stands_beside_the_panels_of_a_part_of_a_figure_too():
+    figure = new_figure(6.0, 8.0)
+    for part in figure.subfigures(2, 1):
+        color_bar(part, [part.subplots()], color_range([(None, np.array([0.6, 0.8]), None)]))
+    assert len(figure.subfigs) == 2 and all(len(part.axes) == 2 for part in figure.subfigs)
 
 
 def test_figures_of_several_runs(tmp_path):

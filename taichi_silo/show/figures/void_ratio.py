@@ -173,9 +173,9 @@ def aspect(limits) -> float:
 
 
 def color_bar(figure, panels, norm):
-    """Put the scale of the void ratio beside the panels."""
+    """Put the scale of the void ratio beside the panels of a figure, or of a part of one."""
     scale = ScalarMappable(norm, COLORS)
-    aspect = max(30.0, 0.8 * figure.get_figheight() / BAR_IN)
+    aspect = max(30.0, 0.8 * figure.bbox.height / figure.dpi / BAR_IN)
     figure.colorbar(
         scale, ax=panels, label="void ratio e", extend="both", shrink=0.8, aspect=aspect, extendfrac=1.5 / aspect,
         pad=0.02,
