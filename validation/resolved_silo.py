@@ -8,7 +8,7 @@ mean goes by a grid.
 Leaves the runs (`cells-130/dense_very-rough_bottom`, ...; films of those on the finest cells), `resolved_runs.csv` (a
 row a run), `resolved_limits.csv` (what the three grids tend to, with error bars), `resolved_statements.csv` (the
 statements of the paper on both grids), and figures. Cost: two hours of one core, 23 minutes of it for the finest cells
-of either sand; what has ended is kept.
+of dense sand, 33 for those of loose sand; what has ended is kept.
 """
 
 import sys

@@ -137,7 +137,12 @@ def remedy(silo: "Silo", size_m: float) -> str:
 
 
 def _others(silo: "Silo", size_m: float) -> str:
-    """Where edges would have to be that cells of about a size meet, in words."""
+    """Where edges would have to be that cells of about a size meet, in words; or what no cells are fine enough for."""
+    if not edges(silo):
+        return (
+            f"{MOST} cells across are not fine enough for a height of {silo.height_m:g} m or an opening of "
+            f"{narrowest_m(silo):g} m"
+        )
     step = 2 if silo.section == "round" else 1
     count = max(2 * step, step * round(silo.width_m / size_m / step))
     size = silo.width_m / count

@@ -108,6 +108,10 @@ def test_a_silo_of_any_size_is_met_exactly(wide, high, section):
     assert area.sum() == pytest.approx(wide * high, rel=1e-12)
 
 
+def test_a_bed_that_no_cells_are_fine_enough_for_is_refused_with_its_height():
+    assert "fine enough for a height of 0.01 m" in refused(silo={"width_m": 90.0, "height_m": 0.01})
+
+
 def test_edges_that_no_cells_meet_are_refused_with_places_that_they_would():
     silo = {"width_m": 0.2037, "height_m": 0.5, "outlet": {"width_m": 0.08013}}
     for grid in ({}, {"cell_size_m": 0.005}):
