@@ -59,7 +59,11 @@ def _speed_up(name: str) -> None:
 
 def inside_class(level_of_class_stackframe: int) -> bool:
     """Whether the statement that runs so many frames above is a class: a function is then decorated as its own."""
-    return HEADS.match(line_of(sys._getframe(level_of_class_stackframe)).strip()) is not None
+    try:
+        frame = sys._getframe(level_of_class_stackframe)
+    except ValueError:  # it is in the first line of a program
+        return False
+    return HEADS.match(line_of(frame).strip()) is not None
 
 
 def position(context: Any, node: Any) -> str:
