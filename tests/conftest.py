@@ -16,7 +16,7 @@ if AFFINITY and (worker := os.environ.get("PYTEST_XDIST_WORKER")):
 
 from taichi_silo import api
 from taichi_silo.cli import flags, model_silo  # noqa: F401 - they hold scenes made when they are imported
-from taichi_silo.mpm import language, own_parts, runtime, solver, tasks
+from taichi_silo.mpm import joint_steps, language, own_parts, runtime, solver
 from taichi_silo.runs import observers
 from taichi_silo.runs.point_fields import FIELDS
 from tests import untraced  # noqa: F401 - coverage does not watch the language
@@ -103,7 +103,7 @@ def loops(request):
     anew, has two steps instead of eight.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tasks, "BURST", 2)
+        patch.setattr(joint_steps, "BURST", 2)
         if plain(request):
             patch.setattr(solver, "hindrance", lambda solver: "this test does without")
         yield

@@ -48,11 +48,10 @@ class CellLists:
             raise ValueError(f"a periodic grid of {grid.columns} columns is too narrow for parallel tasks")
         self.particles, self.grid, self.shape = particles, grid, shape
         self.room = self._room()
-        self.length = whole_numbers(2, shape.PATCHES * grid.nodes)
-        self.member = whole_numbers(shape.PATCHES * grid.nodes * self.room)
-        self.crowd = whole_numbers(particles.count * shape.PATCHES)
-        self.crowded = whole_numbers(2, shape.PATCHES)
-        self.first_of_crowd = whole_numbers(shape.PATCHES, particles.count)
+        patches, points = shape.PATCHES, particles.count
+        lists, places = (2, patches * grid.nodes), (patches * grid.nodes * self.room,)
+        crowds = (points * patches,), (2, patches), (patches, points)
+        self.length, self.member, self.crowd, self.crowded, self.first_of_crowd = whole_numbers(lists, places, *crowds)
 
     def _room(self) -> int:
         place = self.particles.array("position") / (self.grid.cell_size, self.grid.first_cell_height)

@@ -6,7 +6,7 @@ one parallel task a phase, as on a GPU; `simd.executor.Simd` on eight points at 
 functions get as first argument the store that the executor works on: `field_store` says what a store offers.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import runtime
@@ -35,7 +35,7 @@ class Phase(NamedTuple):
     """
 
     over: int
-    run: object
+    run: Any
     option: object = None
     waits: bool = True
     rows: int = 0

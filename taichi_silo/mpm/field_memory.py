@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.language import NAME, ti
 
+OWN = __name__.rsplit(".", 1)[0]  # of whose objects fields are sought
+
 
 def values(field: ti.Field, end: int | None = None, begin: int = 0) -> np.ndarray:
     """A copy of a field, whose last axis is that of its vectors; or of entries `begin` to `end`."""
@@ -49,6 +51,24 @@ def view(field: ti.Field) -> np.ndarray | None:
     if id(field) not in seen:
         seen[id(field)] = field, _seen(field)
     return seen[id(field)][1]
+
+
+def trees(*owners: object) -> set[int]:
+    """Numbers of the trees in which the fields of some objects lie, and of all that these hold."""
+    found, waiting, seen = set(), list(owners), set()
+    while waiting:
+        one = waiting.pop()
+        if id(one) in seen:
+            continue
+        seen.add(id(one))
+        if isinstance(one, ti.Field):
+            first = one.get_scalar_field(0) if isinstance(one, ti.MatrixField) else one
+            found.add(first.snode._snode_tree_id)
+        elif isinstance(one, dict | list | tuple | set):
+            waiting += one.values() if isinstance(one, dict) else one
+        elif type(one).__module__.startswith(OWN):
+            waiting += vars(one).values()
+    return found
 
 
 def _known(what: str) -> dict:

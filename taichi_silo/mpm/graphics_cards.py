@@ -17,6 +17,7 @@ CHOICE = "TI_VISIBLE_DEVICE"  # environment variable of Taichi: number of the ca
 KINDS = {2: "discrete card", 1: "integrated card", 3: "virtual card", 0: "other device", 4: "software driver"}
 MOST = 16  # cards that are looked at
 PROPERTIES, TYPE_AT, NAME_AT, NAME_BYTES = 4096, 16, 20, 256  # of VkPhysicalDeviceProperties, with room [bytes]
+BUFFERS_AT = 372  # of its limits, maxPerStageDescriptorStorageBuffers
 FEATURES, FLOAT64 = 256, 39  # of VkPhysicalDeviceFeatures: room [words], and which of them is shaderFloat64
 
 
@@ -27,6 +28,7 @@ class Card(NamedTuple):
     name: str
     kind: str  # of KINDS
     f64: bool  # whether its shaders compute with 64 bits
+    buffers: int  # pieces of memory that a shader may see: trees of fields
 
 
 def vulkan_cards() -> list[Card]:
@@ -55,7 +57,8 @@ def _card(library: ctypes.CDLL, number: int, device: int | None) -> Card:
     library.vkGetPhysicalDeviceFeatures(ctypes.c_void_p(device), features)
     kind = KINDS.get(int.from_bytes(properties.raw[TYPE_AT : TYPE_AT + 4], sys.byteorder), KINDS[0])
     name = properties.raw[NAME_AT : NAME_AT + NAME_BYTES].split(b"\0")[0].decode("utf-8", "replace")
-    return Card(number, name, kind, bool(features[FLOAT64]))
+    buffers = int.from_bytes(properties.raw[BUFFERS_AT : BUFFERS_AT + 4], sys.byteorder)
+    return Card(number, name, kind, bool(features[FLOAT64]), buffers)
 
 
 def chosen(cards: list[Card]) -> Card | None:

@@ -76,7 +76,7 @@ class GridMeans(Means):
         self.columns = self.axis + 3 + REACH + (0 if mirrored else math.ceil(margin) + 1)
         self.rows = math.ceil(self.origin_at[1] + height + margin) + 2 + REACH
         self.nodes = self.columns * self.rows
-        self.first = whole_numbers(particles.count + 1)  # the last entry is that of no point
+        (self.first,) = whole_numbers((particles.count + 1,))  # the last entry is that of no point
         self.weights = ti.field(real, shape=(particles.count + 1, RECORD))
         self.convolved, self.result = (ti.field(real, shape=self.nodes) for _ in range(2))
 

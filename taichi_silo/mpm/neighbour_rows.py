@@ -54,8 +54,7 @@ class NeighbourRows(Means):
         self.radius = kernel.radius
         count = particles.count
         self.room = count**2 if alike_along_x else most_pairs(self.radius, spacing_m, count)
-        self.start = whole_numbers(count + 2)
-        self.neighbour = whole_numbers(self.room)
+        self.start, self.neighbour = whole_numbers((count + 2,), (self.room,))
         self.share = ti.field(real, shape=self.room)
         self.value = ti.field(real, shape=count + 1)
 

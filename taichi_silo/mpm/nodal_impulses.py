@@ -43,7 +43,7 @@ class NodalImpulses:
         wall, node = np.nonzero(slot >= 0)
         place = wall * self.slots + slot[wall, node]
         order = np.argsort(place, kind="stable")
-        self.node, self.begin = whole_numbers(max(len(order), 1)), whole_numbers(self.sums + 1)
+        self.node, self.begin = whole_numbers((max(len(order), 1),), (self.sums + 1,))
         put(self.node, np.resize(node[order], max(len(order), 1)))
         put(self.begin, np.searchsorted(place[order], np.arange(self.sums + 1)))
 

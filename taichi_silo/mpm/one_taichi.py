@@ -8,6 +8,7 @@ import gc
 import os
 import threading
 from collections.abc import Iterator
+from typing import Any
 
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm.language import ti
@@ -18,6 +19,7 @@ _holder: int | None = None  # the thread of that run
 _forked = False  # whether this process was forked from one in which Taichi was running
 _ours: object | None = None  # the Taichi that this program has started last,
 _left: int | None = None  # and how many fields there were when the last run ended, if that was in this one
+_crew: Any = None  # the `crew.Crew` whose runs Taichi works for in turns
 
 
 def _in_child() -> None:
@@ -43,6 +45,22 @@ def _fields() -> int:
         return 0
     pending = len(getattr(runtime, "global_vars", ()))
     return pending + runtime.prog.get_snode_tree_size()
+
+
+def crew() -> Any:
+    """The `crew.Crew` whose runs Taichi works for in turns; None where it works for one run."""
+    return _crew if _holder == threading.get_ident() else None
+
+
+@contextlib.contextmanager
+def within(crew: object) -> Iterator[None]:
+    """Within, Taichi works for the runs of a crew; this thread holds it."""
+    global _crew
+    _crew = crew
+    try:
+        yield
+    finally:
+        _crew = None
 
 
 def started() -> None:
@@ -91,6 +109,8 @@ def _check_fields() -> None:
 def held() -> Iterator[None]:
     """Within, Taichi works for the run of this thread; that of another thread waits until it has ended.
 
+    For the runs of a crew it does so already.
+
     Raises
     ------
     BadInput
@@ -98,6 +118,9 @@ def held() -> Iterator[None]:
 
     """
     global _holder, _left
+    if crew():
+        yield
+        return
     if _holder == threading.get_ident():
         raise BadInput("a run was begun within a run; it must wait until that has ended, or use a process of its own")
     if _forked:

@@ -48,7 +48,7 @@ class Particles:
         else:  # threads beside each other read what lies side by side
             for field in self.fields.values():
                 ti.root.dense(ti.i, count).place(field)
-        self.active = whole_numbers()
+        (self.active,) = whole_numbers(())
         self._count_active(count)
 
     @classmethod

@@ -9,6 +9,7 @@ import contextlib
 import io
 import os
 import tempfile
+import time
 import weakref
 from pathlib import Path
 
@@ -23,6 +24,8 @@ real = ti.f64 if PRECISION == "f64" else ti.f32
 real_place = ti.f32 if PRECISION == "f32" else ti.f64
 CACHE_BYTES = 1 << 30  # of compiled kernels that are kept; a tenth, which is usual, holds those of a few scenes
 ON_CPU = way("arch", "cpu")
+OWN_BUFFERS = 4  # of a kernel on Vulkan beside its trees: arguments, results, and the like
+MOST_TREES = 512  # that there may be elsewhere
 ARCHITECTURES = ("cpu", "cuda", "vulkan")
 DRIVERS = "the driver of a graphics card, or Mesa's software driver (mesa-vulkan-drivers and libvulkan1 on Debian)"
 _arrays: list[weakref.ref] = []  # what `array` has made under the running Taichi
@@ -33,7 +36,7 @@ class ArchitectureError(RuntimeError):
 
 
 def init(arch: str = "cpu", threads: int = 1) -> None:
-    """Start Taichi afresh; all fields made before are dead afterwards.
+    """Start Taichi afresh; all fields made before are dead afterwards. A crew goes on with the one that there is.
 
     Parameters
     ----------
@@ -51,6 +54,10 @@ def init(arch: str = "cpu", threads: int = 1) -> None:
     one_taichi.check()
     if arch not in ARCHITECTURES:
         raise ArchitectureError(f"arch is {arch!r}; it must be one of {', '.join(ARCHITECTURES)}")
+    if (crew := one_taichi.crew()) and arch != _running():
+        crew.wait_for_end()  # of the others, whose fields end with the Taichi that there is
+    if crew and arch == _running():
+        return
     options = {"default_fp": real, "log_level": ti.ERROR, "offline_cache": True}
     if not _cache_can_be_kept():
         options |= {"offline_cache": False, "offline_cache_file_path": tempfile.gettempdir()}
@@ -114,14 +121,16 @@ def array(dtype: object, length: int) -> ti.Ndarray:
     return made
 
 
-def whole_numbers(*shape: int) -> ti.Field:
-    """A field of i32, zero at first, in a tree of its own.
+def whole_numbers(*shapes: tuple[int, ...]) -> list[ti.Field]:
+    """Fields of i32, zero at first, of these shapes, in a tree of their own.
 
     On Vulkan, Taichi 1.7.4 lays what follows an odd number of i32 in the same tree as f64 over them.
     """
-    made, tree = ti.field(ti.i32), ti.FieldsBuilder()
-    branch = tree.dense([ti.i, ti.ij, ti.ijk][len(shape) - 1], shape) if shape else tree
-    branch.place(made)
+    made, tree = [], ti.FieldsBuilder()
+    for shape in shapes:
+        made.append(ti.field(ti.i32))
+        branch = tree.dense([ti.i, ti.ij, ti.ijk][len(shape) - 1], shape) if shape else tree
+        branch.place(made[-1])
     tree.finalize()
     return made
 
@@ -153,6 +162,12 @@ def wait() -> None:
     ti.sync()
 
 
+def seconds() -> float:
+    """Of a clock that measures the work for this run."""
+    crew = one_taichi.crew()
+    return crew.seconds() if crew else time.perf_counter()
+
+
 def has_cuda() -> bool:
     """Whether a CUDA device answers."""
     return ti._lib.core.with_cuda()
@@ -166,6 +181,16 @@ def is_cpu() -> bool:
 def lacks_functions() -> bool:
     """Whether the running Taichi has no power and no exponential of f64 numbers (SPIR-V has them of f32 only)."""
     return ti.lang.impl.current_cfg().arch == ti.vulkan
+
+
+def most_trees() -> int:
+    """How many trees of fields a kernel may use."""
+    return vulkan_card().buffers - OWN_BUFFERS if _running() == "vulkan" else MOST_TREES
+
+
+def _running() -> str:
+    """The architecture of the running Taichi."""
+    return "cpu" if is_cpu() else "vulkan" if ti.lang.impl.current_cfg().arch == ti.vulkan else "cuda"
 
 
 def threads() -> int:

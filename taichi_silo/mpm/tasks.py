@@ -1,18 +1,15 @@
-"""Steps as parallel tasks, one thread of a GPU for each point or node; the launches of a GPU."""
+"""Steps as parallel tasks, one thread of a GPU for each point or node."""
 
 from typing import Any, NamedTuple
 
-from taichi_silo.mpm import runtime
+from taichi_silo.mpm import one_taichi
 from taichi_silo.mpm.cell_lists import CellLists
-from taichi_silo.mpm.executors import COLLECT, NODES, POINTS, ROWS, SCATTER, Executor, Phase, step_at
+from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Executor, Phase
+from taichi_silo.mpm.field_memory import trees
 from taichi_silo.mpm.field_store import Fields
+from taichi_silo.mpm.joint_steps import JointSteps, Request
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.one_node import take
-from taichi_silo.mpm.runtime import real
-
-BURST = 4  # steps in a launch: the host's part of it is shared, but each step is compiled anew
-LARGEST_BLOCK, LEAST_BLOCK = 256, 64  # threads; at 256 the registers of the law leave room for a second block
-ENOUGH_BLOCKS = 128  # as many as a large card has processors: blocks are halved until there are so many
 
 
 class Task(NamedTuple):
@@ -63,67 +60,64 @@ def tasks_of(phases: tuple[Phase, ...], stretches: bool) -> tuple[Task, ...]:
     return tuple(tasks)
 
 
-def block_of(threads: int) -> int:
-    """How many threads stand in a block."""
-    block = LARGEST_BLOCK
-    while block > LEAST_BLOCK and threads < ENOUGH_BLOCKS * block:
-        block //= 2
-    return block
-
-
 @ti.data_oriented
 class Tasks(Executor):
     """One parallel task a phase, or for two: no sum waits for another, and their order is always the same.
 
-    (Filters that COLLECT add in any order.)
+    (Filters that COLLECT add in any order.) `joint_steps` has the loops; a `crew` shares them among several solvers.
     """
 
     def __init__(self, phases: tuple[Phase, ...], store: Fields):
         self.store, self.particles, self.grid = store, store.particles, store.grid
         self.lists = CellLists(self.particles, self.grid, store.shape)
         self.tasks = tasks_of(phases, self.grid.follows in ("top", "surface"))
-        self.by_points, self.by_nodes = block_of(self.particles.count), block_of(self.grid.nodes)
+        self.trees = trees(store, self.lists, *(phase.run.__self__ for phase in phases))
+        self.alone: JointSteps | None = None
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
-        """Launches of some steps, then of one; on Vulkan of one, where compiling takes longest."""
-        burst, number = 1 if runtime.lacks_functions() else BURST, done
+        """Do them with those of the crew, if this thread is of one."""
+        if count == 0:
+            return
         self.lists.fill(done % 2)
-        while number < done + count:
-            together = burst if done + count - number >= burst else 1
-            self._steps(number, together, steps, dt, *schedule)
-            number += together
+        request = Request(done, count, steps, dt, *schedule)
+        if crew := one_taichi.crew():
+            crew.run(self, request)
+        else:
+            self.alone = self.alone or JointSteps((self,))
+            self.alone.run({self: request}, count)
 
-    @ti.kernel
-    def _steps(
-        self, done: ti.i32, count: ti.template(), steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real,
-        drag: real, filling_drag: real,
-    ):  # fmt: skip
-        for number in ti.static(range(count)):
-            for task in ti.static(self.tasks):
-                if ti.static(task.over in (POINTS, COLLECT)):
-                    ti.loop_config(block_dim=self.by_points)
-                    for p in range(self.particles.places()):
-                        if self.particles.is_there(p):
-                            step = step_at(done + number, steps, dt, g0, g1, v0, v1, drag, filling_drag)
-                            if ti.static(task.runs):
-                                task.run(self.store, p, 0, step, task.option)
-                            if ti.static(task.enter):
-                                self.lists.enter(p, (done + number + 1) % 2)
-                elif ti.static(task.over == NODES):
-                    ti.loop_config(block_dim=self.by_nodes)
-                    for k in range(self.grid.nodes):
-                        step = step_at(done + number, steps, dt, g0, g1, v0, v1, drag, filling_drag)
-                        if ti.static(task.takes):
-                            self._take(k, (done + number) % 2, step, task)
-                        if ti.static(task.runs):
-                            task.run(self.store, k % self.grid.columns, k // self.grid.columns, step, task.option)
-                elif ti.static(task.over == ROWS):
-                    for j in range(task.rows or self.grid.rows):
-                        step = step_at(done + number, steps, dt, g0, g1, v0, v1, drag, filling_drag)
-                        task.run(self.store, j, step, task.option)
-                else:
-                    for t in range(1):
-                        self.grid.follow(t, step_at(done + number, steps, dt, g0, g1, v0, v1, drag, filling_drag))
+    @ti.func
+    def on_point(self, task: ti.template(), p, number, step):
+        """A task over points, for place p, in step `number`."""
+        if p < self.particles.active[None]:
+            if ti.static(task.runs):
+                task.run(self.store, p, 0, step, task.option)
+            if ti.static(task.enter):
+                self.lists.enter(p, (number + 1) % 2)
+
+    @ti.func
+    def on_node(self, task: ti.template(), k, number, step):
+        """A task over nodes, for node k."""
+        if k < self.grid.nodes:
+            if ti.static(task.takes):
+                self._take(k, number % 2, step, task)
+            if ti.static(task.runs):
+                task.run(self.store, k % self.grid.columns, k // self.grid.columns, step, task.option)
+
+    @ti.func
+    def on_row(self, task: ti.template(), j, number, step):
+        """A task over rows of nodes, for row j."""
+        if j < self.rows(task):
+            task.run(self.store, j, step, task.option)
+
+    @ti.func
+    def on_grid(self, task: ti.template(), j, number, step):
+        """The grid's own step."""
+        self.grid.follow(0, step)
+
+    def rows(self, task: Task) -> int:
+        """Over which a task runs."""
+        return task.rows or self.grid.rows
 
     @ti.func
     def _take(self, k, turn, step, task: ti.template()):

@@ -5,7 +5,8 @@ from pathlib import Path
 from taichi_silo.errors import RunFailed
 from taichi_silo.runs.run_folder import writable
 from taichi_silo.scene.scene import cores
-from taichi_silo.studies.sweep.runs import Run, simulate
+from taichi_silo.studies.sweep.processes import simulate
+from taichi_silo.studies.sweep.runs import Run
 from taichi_silo.utils.messages import counted
 
 

@@ -14,8 +14,8 @@ from taichi_silo.errors import Stopped
 class Stops:
     """Signals that have come, and whether they take effect at once."""
 
-    def __init__(self) -> None:
-        self.asked: list[int] = []  # numbers of the signals that have come
+    def __init__(self, asked: list[int] | None = None) -> None:
+        self.asked = [] if asked is None else asked  # numbers of the signals that have come
         self.heeded = 0  # how many of them have stopped something
         self.sentence: str | None = None  # what to say when a signal takes effect at once; None while signals wait
 
@@ -45,18 +45,29 @@ class Stops:
         raise Stopped(sentence, 128 + self.asked[0])
 
 
+_first: Stops | None = None  # what hears the signals now
+
+
 @contextlib.contextmanager
 def heard() -> Iterator[Stops]:
-    """Within this block SIGINT and SIGTERM are noted; in a thread other than the main one none can be."""
-    stops = Stops()
+    """Within this block SIGINT and SIGTERM are noted; in a thread other than the main one none can be.
+
+    A block within another one, or begun while another goes on, hears what that one hears.
+    """
+    global _first
     if threading.current_thread() is not threading.main_thread():
-        yield stops
+        yield Stops()
         return
+    if _first is not None:
+        yield Stops(_first.asked)
+        return
+    stops = _first = Stops()
     usual = {}
     try:
         for number in (signal.SIGINT, signal.SIGTERM):
             usual[number] = signal.signal(number, stops.hear)
         yield stops
     finally:
+        _first = None
         for number, handler in usual.items():
             signal.signal(number, handler)

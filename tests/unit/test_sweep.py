@@ -21,7 +21,8 @@ from taichi_silo.show.figures.response import label, response_figure
 from taichi_silo.studies.sweep.clusters import Local, Scheduler, Slurm
 from taichi_silo.studies.sweep.hypercube import Choices, LatinHypercube, Span
 from taichi_silo.studies.sweep.plan import from_command_line, from_flags, from_tables, read
-from taichi_silo.studies.sweep.runs import LOCK, Run, simulate
+from taichi_silo.studies.sweep.processes import simulate
+from taichi_silo.studies.sweep.runs import LOCK, Run
 from taichi_silo.studies.sweep.study import TABLE, Study
 from taichi_silo.studies.sweep.table import PRESSURE, Response, found, row
 from taichi_silo.studies.sweep.table import leave as leave_table
@@ -331,7 +332,7 @@ def test_whoever_wants_a_finished_run_again_gets_it_from_the_start(tmp_path):
 
     class Nobody(ProcessPool):
         def run(self, tasks, console, ended):
-            seen.extend(Run.from_json(task.line)[0] for task in tasks)
+            seen.extend(Run.from_json(line)[0] for task in tasks for line in json.loads(task.line))
             return {}
 
     run = left(tmp_path / "run", Scene(machine={"threads": 1}))

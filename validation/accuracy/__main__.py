@@ -24,7 +24,8 @@ from taichi_silo.runs.run_folder import claim, writable
 from taichi_silo.scene.scene import cores
 from taichi_silo.show.figures.style import STYLE
 from taichi_silo.simulation.simulation import Simulation
-from taichi_silo.studies.sweep.runs import Run, simulate
+from taichi_silo.studies.sweep.processes import simulate
+from taichi_silo.studies.sweep.runs import Run
 from taichi_silo.utils import atomic_write
 from taichi_silo.utils.console import Console
 from validation.accuracy import study, table

@@ -135,27 +135,28 @@ class Surfaces:
         self.places, self.normals, self.areas, self.owners = place, normal, area * away, owners
         self.fixed = ti.field(real, shape=(self.count, 5))
         put(self.fixed, np.column_stack([normal, area * away, mu, 1.0 / np.maximum(away, 1e-12)]))
-        self.wall = whole_numbers(self.count)
-        put(self.wall, owners)
         patch, weight = self._weights(place / (h, grid.first_cell_height))
         self.patches, self.station_weights = patch, weight
-        self.patch = whole_numbers(self.count)
-        put(self.patch, patch)
         self.weight = ti.field(real, shape=(self.count, 9))
         put(self.weight, weight)
         self.traction = ti.field(real, shape=(self.count, 4))
         self.seen = ti.field(real, shape=(grid.nodes, 3))
-        self.row = whole_numbers(grid.rows + 1)
-        put(self.row, np.searchsorted(row, np.arange(grid.rows + 1)))
         nodes = patch[:, None] + np.array([b * grid.columns + a for b in range(3) for a in range(3)])
         given = weight * (area * away)[:, None]
         station = np.repeat(np.arange(self.count), 9)
         sort = np.argsort(nodes.ravel(), kind="stable")
-        self.link, self.given = whole_numbers(len(sort)), ti.field(real, shape=len(sort))
-        put(self.link, station[sort])
+        self.given = ti.field(real, shape=len(sort))
         put(self.given, given.ravel()[sort])
-        self.begin = whole_numbers(grid.nodes + 1)
-        put(self.begin, np.searchsorted(nodes.ravel()[sort], np.arange(grid.nodes + 1)))
+        whole = {
+            "wall": owners,
+            "patch": patch,
+            "row": np.searchsorted(row, np.arange(grid.rows + 1)),
+            "link": station[sort],
+            "begin": np.searchsorted(nodes.ravel()[sort], np.arange(grid.nodes + 1)),
+        }
+        for (name, numbers), field in zip(whole.items(), whole_numbers(*map(np.shape, whole.values())), strict=True):
+            setattr(self, name, field)
+            put(field, numbers)
 
     def _weights(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """First node (n,) and S (n, 9) of the quadratic spline at places in cells (n, 2)."""

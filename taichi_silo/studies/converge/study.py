@@ -24,7 +24,8 @@ from taichi_silo.studies.converge.ladder import Ladder
 from taichi_silo.studies.converge.plan import HEADLINE, MOST_STEPS, Plan, seconds, share
 from taichi_silo.studies.converge.quantities import Quantity, quantities, words
 from taichi_silo.studies.sweep.clusters import Cluster, Local, cluster_of
-from taichi_silo.studies.sweep.runs import Run, costs, simulate
+from taichi_silo.studies.sweep.processes import simulate
+from taichi_silo.studies.sweep.runs import Run, costs
 from taichi_silo.utils import atomic_write
 from taichi_silo.utils.bounded_reading import place
 from taichi_silo.utils.console import Console

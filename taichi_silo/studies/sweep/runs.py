@@ -1,35 +1,29 @@
-"""The runs of a sweep: which are there, what the others cost, and each in a process of its own."""
+"""The runs of a sweep: which are there, what is left of one, and what the others cost."""
 
 import json
 import math
 import os
 import platform
 import statistics
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from taichi_silo import api
 from taichi_silo.errors import BadInput, way
 from taichi_silo.runs import film_states
-from taichi_silo.runs.cost_estimate import START_S, Cost, at_pace, rehearse
+from taichi_silo.runs.cost_estimate import Cost, at_pace, rehearse
 from taichi_silo.runs.result import FILM
-from taichi_silo.runs.run_folder import MADE, claim, finished, parameters
+from taichi_silo.runs.run_folder import MADE, finished, parameters
 from taichi_silo.scene import memory_need
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.scene.symmetry import half_model
 from taichi_silo.simulation.simulation import Simulation
 from taichi_silo.utils import plugin_files
-from taichi_silo.utils.console import Console
 from taichi_silo.utils.file_lock import alone
-from taichi_silo.utils.process_pool import ASKED_EVERY_S, ProcessPool, Task
 
-PROGRAM = ("taichi_silo.studies.sweep",)  # that makes one run
 LOCK = ".running"  # in the folder of a run
 WAIT_S = 600.0  # for the process of an earlier attempt, whose worker is gone, to put its files in order
-SEEN_S = 60.0  # after which a file system shows what another machine has written
 
 
 @dataclass(frozen=True)
@@ -64,6 +58,14 @@ class Run:
             return (self.folder / MADE).exists() and not finished(self.folder) and not self._other()
         except BadInput:
             return False
+
+    @property
+    def formulas(self) -> tuple:
+        """What decides over the seconds of a point and step."""
+        method, grid = self.scene.method, self.scene.grid
+        variant = (method.transfer, method.stress_update, method.stress_filter, half_model(self.scene)[0])
+        machine, law = self.scene.machine, self.scene.sand.law
+        return machine.arch, machine.lanes, law, grid.shape, grid.points_per_cell, *variant
 
     def check(self) -> None:
         """Refuse a folder that holds the run of another scene."""
@@ -135,16 +137,16 @@ def costs(runs: dict[str, Run], missing: list[str]) -> dict[str, Cost]:
         cost = run.summary.get("cost", {}) if run.finished else {}
         if cost.get("steps"):
             points = run.scene.points  # of the whole silo, as of a scene whose cost is asked
-            paces.setdefault(_formulas(run.scene), []).append((points, cost["seconds"] / (points * cost["steps"])))
+            paces.setdefault(run.formulas, []).append((points, cost["seconds"] / (points * cost["steps"])))
     for machine in {runs[name].scene.machine for name in missing}:
         machine.start()
     for name in sorted(missing, key=lambda name: runs[name].scene.points):
         scene = runs[name].scene
-        if _formulas(scene) not in paces:
+        if runs[name].formulas not in paces:
             memory_need.check(scene)
             scene.machine.start()
-            paces[_formulas(scene)] = [(scene.points, rehearse(Simulation(scene)) / scene.points)]
-        found[name] = at_pace(scene, _nearest(paces[_formulas(scene)], scene.points))
+            paces[runs[name].formulas] = [(scene.points, rehearse(Simulation(scene)) / scene.points)]
+        found[name] = at_pace(scene, _nearest(paces[runs[name].formulas], scene.points))
     return found
 
 
@@ -153,55 +155,3 @@ def _nearest(paces: list[tuple[int, float]], points: int) -> float:
     apart = [abs(math.log(max(one, 1) / points)) for one, _ in paces]
     least = min(apart)
     return statistics.median(pace for (_, pace), far in zip(paces, apart, strict=True) if far <= least + 1e-9)
-
-
-def _formulas(scene: Scene) -> tuple:
-    """What decides over the seconds of a point and step."""
-    method, grid = scene.method, scene.grid
-    variant = (method.transfer, method.stress_update, method.stress_filter, half_model(scene)[0])
-    return scene.machine.arch, scene.machine.lanes, scene.sand.law, grid.shape, grid.points_per_cell, *variant
-
-
-def simulate(
-    runs: dict[str, Run],
-    pool: ProcessPool | int,
-    console: Console = Console(),  # noqa: B008 - it is frozen
-    ended: Callable[[str, str], None] = lambda name, failure: None,
-    expected: dict[str, Cost] | None = None,
-) -> dict[str, str]:
-    """Run all, each in a process of its own: from the start what is finished, and what was left from where it was.
-
-    `pool` may be a number of runs at a time on this machine. `ended` hears the name of each that has ended, and why it
-    failed, a sentence, or nothing. If their costs are known, the longest is begun first. Returns the sentences of those
-    that failed, by their names.
-    """
-    tasks, unseen = [], []
-    for name, run in runs.items():
-        if run.finished:  # what is there is done, for whoever attempts it
-            claim(run.folder, overwrite=True)
-        run.folder.parent.mkdir(parents=True, exist_ok=True)
-        cost = (expected or {}).get(name)
-        seconds = cost.core_seconds + START_S if cost else 1.0
-        tasks.append(Task(name, PROGRAM, run.to_json(cost.steps if cost else 0), seconds=seconds))
-
-    def over(name: str, failure: str) -> str:
-        if not failure and not runs[name].finished:
-            unseen.append(name)
-            return "its files are not here yet"
-        ended(name, failure)
-        return failure or f"{runs[name].summary.get('cost', {}).get('seconds', 0.0):.3g} core-s"
-
-    failures = (ProcessPool(pool) if isinstance(pool, int) else pool).run(tasks, console, over)
-    for name in unseen:
-        if failure := _seen(runs[name]):
-            failures[name] = failure
-        ended(name, failure)
-    return failures
-
-
-def _seen(run: Run) -> str:
-    """Wait until this machine sees a run that its worker has finished; returns why it does not, or nothing."""
-    end = time.monotonic() + SEEN_S
-    while not run.finished and time.monotonic() < end:
-        time.sleep(ASKED_EVERY_S)
-    return "" if run.finished else f"its worker finished it, but {run.folder} is not shared with this machine"

@@ -12,7 +12,8 @@ from taichi_silo.show.figures import plot_batch, plot_response
 from taichi_silo.studies.sweep import table
 from taichi_silo.studies.sweep.clusters import cluster_of
 from taichi_silo.studies.sweep.plan import Sweep, from_tables, read
-from taichi_silo.studies.sweep.runs import Run, costs, simulate
+from taichi_silo.studies.sweep.processes import simulate
+from taichi_silo.studies.sweep.runs import Run, costs
 from taichi_silo.studies.sweep.variations import SAND, differences, used
 from taichi_silo.utils.bounded_reading import place
 from taichi_silo.utils.console import Console
@@ -77,6 +78,8 @@ class Study:
         words = f"{counted(there, 'run')} {'is' if there == 1 else 'are'} there, {len(self.missing)} to do"
         if not expected:
             self.console.say(words)
+        elif any(run.scene.machine.arch != "cpu" for run in self.missing.values()):
+            self.console.say(f"{words}: about {whole / 60.0:.1f} minutes on the graphics card, one after the other")
         elif at_once is None:
             self.console.say(f"{words}: about {whole / 3600.0:.3g} core-hours")
         else:

@@ -42,7 +42,7 @@ def points(place, cell=0.1, domain=True):
 
 
 def asked(lists, patch, i, j):
-    found = runtime.whole_numbers(1 + 16 * lists.particles.count)
+    found = runtime.whole_numbers((1 + 16 * lists.particles.count,))[0]
     Asked(lists, found).ask(patch, i, j)
     numbers = found.to_numpy()
     return numbers[1 : 1 + numbers[0]]

@@ -15,7 +15,7 @@ def fields():
     ti.root.dense(ti.i, 7).place(place, mass)
     several = ti.field(ti.f64, shape=(3, 5)), ti.field(ti.f64, shape=(2, 3, 2)), ti.field(ti.i32, shape=3)
     vectors = ti.Vector.field(4, ti.f64, shape=9), ti.Vector.field(2, ti.f64, shape=(3, 4))
-    return [place, mass, *several, *vectors, runtime.whole_numbers(4, 5)]
+    return [place, mass, *several, *vectors, *runtime.whole_numbers((4, 5), (3,), (2, 6))]
 
 
 def numbers(field):
@@ -59,7 +59,7 @@ def test_what_was_read_does_not_change_with_the_field():
 
 
 def test_a_single_number_is_read_and_written():
-    count = runtime.whole_numbers()
+    count = runtime.whole_numbers(())[0]
     field_memory.put(count, 5)
     assert count[None] == 5
     count[None] = 6

@@ -29,8 +29,8 @@ def test_arrays_of_an_ended_taichi_take_nothing_from_the_next():
     assert [total(one) for one in new] == [50.0] * 200
 
 
-CARD, SLOW = Card(1, "Card", "discrete card", True), Card(0, "lavapipe", "software driver", True)
-SINGLE = Card(2, "Phone", "integrated card", False)
+CARD, SLOW = Card(1, "Card", "discrete card", True, 999), Card(0, "lavapipe", "software driver", True, 32)
+SINGLE = Card(2, "Phone", "integrated card", False, 16)
 
 
 @pytest.mark.skipif(graphics_cards.chosen(graphics_cards.vulkan_cards()) is None, reason="no Vulkan device with f64")
@@ -38,7 +38,7 @@ SINGLE = Card(2, "Phone", "integrated card", False)
 def test_whole_numbers_lie_apart_from_others_on_vulkan(apart):
     """In one tree with f64 an odd number of them lies under these; should Taichi mend that, they may stand together."""
     runtime.init("vulkan")
-    whole = runtime.whole_numbers(3) if apart else ti.field(ti.i32, shape=3)
+    whole = runtime.whole_numbers((3,))[0] if apart else ti.field(ti.i32, shape=3)
     other = ti.field(ti.f64, shape=4)
     whole.fill(1)
     other.fill(2.0)
