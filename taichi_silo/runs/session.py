@@ -157,7 +157,7 @@ class _Session:
             ended = self._in_words(error)
             for observer in begun:
                 observer.failed(str(ended) or type(ended).__name__)
-        troubles = self._end(begun, stops)
+        troubles = self._end(begun, stops, draw=not isinstance(ended, Stopped))
         if self.folder.is_dir():
             try:
                 self._note(finished=ended is None and not troubles)
@@ -199,10 +199,13 @@ class _Session:
             raise
         self.checkpoint.write()
 
-    def _end(self, begun: list[Observer], stops: Stops) -> list[BaseException]:
-        """End all observers, draw, and end the log; returns what went wrong."""
+    def _end(self, begun: list[Observer], stops: Stops, draw: bool) -> list[BaseException]:
+        """End all observers, draw, and end the log; returns what went wrong.
+
+        A run that was stopped is not drawn, so that it ends at once; `taichi-silo report` and `resume` draw it.
+        """
         troubles = _tried(*(observer.end for observer in begun if observer is not self.log))
-        if self.folder.is_dir():
+        if draw and self.folder.is_dir():
             troubles += self._draw(stops)
         return troubles + _tried(*(observer.end for observer in begun if observer is self.log))
 

@@ -125,15 +125,14 @@ def test_while_figures_are_drawn_the_rest_is_there(number, tmp_path, whole, trie
 
 
 @BOTH
-def test_a_second_one_leaves_the_figures_out_and_nothing_else(number, tmp_path, whole, tried):
+def test_a_run_that_is_stopped_is_not_drawn_but_is_when_it_goes_on(number, tmp_path, whole, tried):
     folder, drawn = tmp_path / "run", []
     drawing = {"drawing": (drawn.append,)}
     stopped(number, folder, extra=(At(5, send(number)),), **drawing)
-    stopped(number, folder, overwrite=True, extra=(At(5, send(number), at_end=send(number)),), **drawing)
-    assert len(drawn) == 1
     stopped(number, folder, overwrite=True, extra=(At(-1, send(number), at_end=send(number)),), **drawing)
-    assert len(drawn) == 1
-    resume(folder)
+    assert not drawn
+    resume(folder, **drawing)
+    assert drawn == [folder]
     assert_same(folder, whole)
     tried("faults survived", "stopped once more while it puts its files in order", 2)
 
