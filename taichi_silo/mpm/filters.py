@@ -17,6 +17,7 @@ from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import COLLECT, NODES, POINTS, Barrier, Phase
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.laws.several import admissible
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.patch_filter import PatchFilter
 from taichi_silo.mpm.runtime import real
@@ -74,7 +75,7 @@ class CellFilter:
     def put(self, p, s0, s1, s2, s3):
         """The admissible stress next to a filtered one."""
         e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
-        s0, s1, s2, s3 = self.law.admissible((s0, s1, s2, s3), e)
+        s0, s1, s2, s3 = admissible(self.law, self.particles, p, (s0, s1, s2, s3), e)
         self.particles.stress[p] = ti.Vector([s0, s1, s2, s3])
 
 

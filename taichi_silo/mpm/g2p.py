@@ -7,7 +7,7 @@ points of group p of the vector unit (see `field_store`); the others work on fie
 """
 
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.laws import integrate
+from taichi_silo.mpm.laws import several
 from taichi_silo.mpm.point_weights import domain_of, offset_of_node, weights
 
 TINY = 1e-9  # of a cell squared: points closer to each other than this have an affine velocity field without slope
@@ -138,13 +138,13 @@ def respond(points: ti.template(), law: ti.template(), p, D, spin, length, d_bar
     """Stress and volume of point p after a strain rate D of norm `length` and its non-local mean d_bar [1/s]."""
     volume, mass = points.read("volume", p), points.read("mass", p)
     void_ratio = volume * law.grain_density / mass - 1.0
-    s0, s1, s2, s3, h0, h1, h2, h3, e = integrate.update(
-        law, points.read("stress", p), memory_of(points, law, p), void_ratio, D, spin, d_bar, dt
+    s0, s1, s2, s3, h0, h1, h2, h3, e = several.update(
+        law, points, p, points.read("stress", p), memory_of(points, law, p), void_ratio, D, spin, d_bar, dt
     )
     points.write("stress", p, (s0, s1, s2, s3))
     if ti.static(law.REMEMBERS):
         points.write("intergranular", p, (h0, h1, h2, h3))
     # separated grains fly apart, but land as loosely packed sand, not as less
     solid = mass * (1.0 / law.grain_density)
-    points.write("volume", p, solid * (1.0 + ti.min(e, law.loosest)))
+    points.write("volume", p, solid * (1.0 + several.loosest(law, points, p, e)))
     points.write("path", p, points.read("path", p) + length * dt)

@@ -8,6 +8,7 @@ import numpy as np
 from taichi_silo.mpm.contracts import Law, Shape, Transfer
 from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.laws.several import are_several
 from taichi_silo.mpm.runtime import is_cpu, real, real_place, whole_numbers
 
 
@@ -25,6 +26,7 @@ class Particles:
     volume          scalar      present volume, grains and voids [m2]
     path            scalar      path length of the strain, integral of ||D|| dt [-]
     intergranular   4           intergranular strain h (xx, yy, zz, xy); only for a law that remembers
+    sand            scalar      number of the point's law among `laws.several.Several`; only where there are several
     domain          4           edges r1, r2 (x, y each) of the point's domain [m]; only for a shape that convects it
     affine          4           velocity gradient (xx, xy, yx, yy) given to the nodes [1/s]; only for some transfers
     ==============  ==========  ========================================================================
@@ -91,8 +93,11 @@ class Particles:
     @staticmethod
     def extras(law: Law, shape: Shape, transfer: Transfer) -> tuple[str, ...]:
         """Names of the fields that a law, a shape and a transfer ask for."""
-        wanted = (law.REMEMBERS, "intergranular"), (shape.DOMAIN, "domain"), (transfer.GRADIENT != "none", "affine")
-        return tuple(name for asked, name in wanted if asked)
+        wanted = {
+            "sand": are_several(law), "intergranular": law.REMEMBERS, "domain": shape.DOMAIN,
+            "affine": transfer.GRADIENT != "none",
+        }  # fmt: skip
+        return tuple(name for name, asked in wanted.items() if asked)
 
     @ti.func
     def read(self, name: ti.template(), p):

@@ -33,6 +33,7 @@ from taichi_silo.mpm.executors import Barrier, Phase
 from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.laws.several import admissible
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.patch_passes import NOWHERE, PatchPasses
 from taichi_silo.mpm.runtime import real
@@ -148,4 +149,4 @@ class PatchFilter:
                 s, left = self.particles.stress[p], points[p]
                 e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
                 faded = s[0] - share * left[0], s[1] - share * left[1], s[2] - share * left[2], s[3] - share * left[3]
-                self.particles.write("stress", p, self.law.admissible(faded, e))
+                self.particles.write("stress", p, admissible(self.law, self.particles, p, faded, e))

@@ -9,6 +9,7 @@ from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.field_memory import values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.laws.several import stiffness as stiffness_of
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.tensors import trace
@@ -71,7 +72,7 @@ class PointSums:
         m, volume = self.particles.mass[p], self.particles.volume[p]
         e = volume * self.law.grain_density / m - 1.0
         speed = v.norm()
-        stiffness = self.law.stiffness((s[0], s[1], s[2], s[3]), e)
+        stiffness = stiffness_of(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), e)
         c = ti.sqrt(stiffness * (1.0 + e) / self.law.grain_density)
         transit = ti.min(self.grid.cell_size, self.grid.cell_height(0)) / (c + speed)
         squared = s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2.0 * s[3] * s[3]

@@ -3,12 +3,14 @@
 from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from taichi_silo.mpm import own_parts
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.laws import GudehusBauer, Intergranular
+from taichi_silo.mpm.laws.several import Several
 from taichi_silo.scene.own_part import need_name
+from taichi_silo.scene.published_sands import published
 from taichi_silo.utils.messages import shown
 from taichi_silo.utils.schema import Options
 
@@ -31,11 +33,44 @@ class IntergranularStrain(Options):
         return self
 
 
+# constants that sands of one silo may have of their own
+OWN = (
+    "critical_friction_angle_deg", "granular_hardness_Pa", "n", "alpha", "beta", "e_i0", "e_c0", "e_d0",
+)  # fmt: skip
+
+
 class SandLayer(Options):
-    """The same sand at another void ratio, from a height up to that of the next layer or the surface."""
+    """Another void ratio or another sand, from a height up to that of the next layer or the surface.
+
+    Constants that are not given are those of the sand that is named, or else of the sand below all layers. Grains are
+    as dense and as large as those of that.
+    """
 
     from_m: float = Field(ge=0, le=1000, description="height above the floor where it begins")
     void_ratio: float = Field(ge=0.01, le=10, description="its initial void ratio, between e_d0 and e_i0")
+    name: str | None = Field(None, description="of a published sand, if it is another one than below")
+    critical_friction_angle_deg: float | None = Field(None, ge=5, le=85, description="phi_c")
+    granular_hardness_Pa: float | None = Field(None, ge=1e5, le=1e12, description="h_s")
+    n: float | None = Field(None, ge=0.01, le=0.99, description="exponent of compression")
+    alpha: float | None = Field(None, ge=0.001, le=5, description="exponent of density in the peak of strength")
+    beta: float | None = Field(None, ge=0.001, le=20, description="exponent of density in stiffness")
+    e_i0: float | None = Field(None, ge=0.01, le=10, description="loosest void ratio without pressure")
+    e_c0: float | None = Field(None, ge=0.01, le=10, description="critical void ratio without pressure")
+    e_d0: float | None = Field(None, ge=0.01, le=10, description="densest void ratio without pressure")
+
+    @field_validator("name")
+    @classmethod
+    def _published(cls, value: str | None) -> str | None:
+        if value is not None and value not in published():
+            raise ValueError(f"name of a layer of sand is {shown(value)}; it must be one of {', '.join(published())}")
+        return value
+
+    @property
+    def own(self) -> dict[str, float]:
+        """The constants of another sand; empty if it is that below."""
+        named = published()[self.name] if self.name else {}
+        given = {key: getattr(self, key) for key in OWN if getattr(self, key) is not None}
+        return {key: named[key] for key in OWN if key in named} | given
 
 
 class Sand(Options):
@@ -108,18 +143,43 @@ class Sand(Options):
                 raise ValueError(
                     f"from_m of a layer of sand is {layer.from_m}; it must be above {below}, where the one below begins"
                 )
-            if not self.e_d0 < layer.void_ratio < self.e_i0:
-                raise ValueError(
-                    f"void ratio of the layer from {layer.from_m} m is {layer.void_ratio}; it must lie between e_d0 = "
-                    f"{self.e_d0} and e_i0 = {self.e_i0}"
-                )
             below = layer.from_m
+            if layer.own and self.law not in self.LAWS:
+                own = f"the layer from {layer.from_m} m has constants of its own"
+                raise ValueError(f"{own}; it must have none, as the law is {self.law}")
+            self._check(layer)
         return self
+
+    def _check(self, layer: SandLayer) -> None:
+        try:
+            self.of_layer(layer)
+        except ValidationError as error:
+            what = str(error.errors()[0]["msg"]).removeprefix("Value error, ")
+            raise ValueError(f"in the layer from {layer.from_m} m the {what}") from error
+
+    def of_layer(self, layer: SandLayer) -> "Sand":
+        """The sand of a layer."""
+        other = {"void_ratio": layer.void_ratio, "layers": ()} | layer.own
+        return Sand.model_validate(self.model_dump() | other | ({"name": layer.name} if layer.name else {}))
+
+    @property
+    def sands(self) -> tuple["Sand", ...]:
+        """Those of the silo from below, each with its void ratio: its own, and those of the layers."""
+        return (self, *(self.of_layer(layer) for layer in self.layers))
+
+    @property
+    def words(self) -> str:
+        """Which sands there are."""
+        others = (f"above {layer.from_m:g} m {layer.name or 'another'}" for layer in self.layers if layer.own)
+        return ", ".join((self.name, *others))
+
+    def sand_at(self, y: np.ndarray) -> np.ndarray:
+        """Numbers of the `sands` at heights y (array) [m]."""
+        return np.searchsorted([layer.from_m for layer in self.layers], y, side="right")
 
     def void_ratio_at(self, y: np.ndarray) -> np.ndarray:
         """Initial void ratio at heights y (array) [m]."""
-        values = np.array([self.void_ratio, *(layer.void_ratio for layer in self.layers)])
-        return values[np.searchsorted([layer.from_m for layer in self.layers], y, side="right")]
+        return np.array([self.void_ratio, *(layer.void_ratio for layer in self.layers)])[self.sand_at(y)]
 
     @property
     def loose(self) -> bool:
@@ -133,7 +193,10 @@ class Sand(Options):
         return "intergranular" if turns_back else "gudehus-bauer"
 
     def constitutive_law(self, mass_scaling: float = 1.0, turns_back: bool = False) -> Law:
-        """The constitutive law with these constants, the grains' density times a factor."""
+        """The constitutive law with these constants, the grains' density times a factor; of several sands, all."""
+        if any(layer.own for layer in self.layers):
+            alone = (one.model_copy(update={"layers": ()}) for one in self.sands)
+            return Several(tuple(one.constitutive_law(mass_scaling, turns_back) for one in alone))
         if self.law not in self.LAWS:
             return self._made(mass_scaling * self.grain_density_kg_per_m3)
         skeleton = self.skeleton(mass_scaling)

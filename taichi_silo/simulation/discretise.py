@@ -8,6 +8,7 @@ import numpy as np
 from taichi_silo.mpm.contracts import Law, Wall
 from taichi_silo.mpm.frozen import replaced
 from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.laws.several import are_several
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import NonLocal, Weight
 from taichi_silo.mpm.particles import Particles
@@ -120,6 +121,8 @@ def fill_of(scene: Scene, section: Section, law: Law) -> dict[str, np.ndarray]:
         "path": np.broadcast_to(0.0, count),
         "domain": np.broadcast_to([d, 0.0, 0.0, rise], (count, 4)),
     }
+    if are_several(law):
+        state["sand"] = scene.sand.sand_at(y).astype(float)
     if law.REMEMBERS:  # the last strain is that of filling: vertical compression
         radius = law.radius  # type: ignore[attr-defined]
         state["intergranular"] = np.broadcast_to([0.0, -radius, 0.0, 0.0], (count, 4))

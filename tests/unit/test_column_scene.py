@@ -48,7 +48,7 @@ def scene(tables=COLUMN, **parts):
         ({"silo": {"surface_m": [[0.0, 0.1], [0.2, 0.2]], "inserts": [
             {"kind": "cylinder", "width_m": 0.04, "bottom_m": 0.1, "position_m": 0.05}]}}, ["insert 1", "covered by"]),
         ({"silo": {"surface_m": [[0.0, 0.1], [0.2, 0.2]], "half": "yes"}}, ["half is yes", "not symmetric"]),
-        ({"sand": {"layers": [{"from_m": 0.2, "void_ratio": 0.4}]}}, ["from 0.2 m is 0.4", "e_d0 = 0.51"]),
+        ({"sand": {"layers": [{"from_m": 0.2, "void_ratio": 0.4}]}}, ["layer from 0.2 m", "is 0.4", "e_d0 = 0.51"]),
         ({"sand": {"layers": [{"from_m": 0.9, "void_ratio": 0.8}]}}, ["0.9 m", "height of 0.5 m"]),
         ({"sand": {"layers": [{"from_m": 0.2, "void_ratio": 0.8}, {"from_m": 0.1, "void_ratio": 0.7}]}},
          ["is 0.1", "above 0.2"]),

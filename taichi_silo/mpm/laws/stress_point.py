@@ -5,6 +5,7 @@ import numpy as np
 from taichi_silo.mpm.contracts import Law, Numbers
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws.integrate import update
+from taichi_silo.mpm.laws.several import laws_of
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.tensors import norm
 
@@ -152,5 +153,5 @@ def _stiffness(law: ti.template(), s0: real, s1: real, s2: real, s3: real, e: re
 
 def wave_speed(law: Law, stress: Numbers, void_ratio: float) -> float:
     """Upper bound of the speed of a plane wave [m/s] at a stress (xx, yy, zz, xy) [Pa]."""
-    stiffness = _stiffness(law, *map(float, stress), float(void_ratio))
+    stiffness = max(_stiffness(one, *map(float, stress), float(void_ratio)) for one in laws_of(law))
     return float(np.sqrt(stiffness * (1.0 + void_ratio) / law.grain_density))

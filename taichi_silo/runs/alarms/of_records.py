@@ -118,8 +118,8 @@ class Density(Check):
 
     def look(self, record: Record) -> Alarm | None:
         """Compare the extremes of a record."""
-        sand = self.simulation.scene.sand
-        densest, loosest = DENSEST * sand.e_d0, LOOSEST * sand.e_i0
+        sands = self.simulation.scene.sand.sands
+        densest, loosest = DENSEST * min(one.e_d0 for one in sands), LOOSEST * max(one.e_i0 for one in sands)
         if record.void_ratio_low < densest:
             alarm = Alarm(
                 "void ratio", True,

@@ -118,6 +118,7 @@ def floors(silo) -> list[np.ndarray]:
 
 def title(scene: Scene) -> str:
     """One line that says which sand, walls and silo are seen."""
-    sand = f"{scene.sand.name.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}"
-    words = [sand, scene.walls.words, scene.silo.words()]
+    first, *others = scene.sand.words.split(", ")
+    sand = f"{first.capitalize()} sand, e₀ = {scene.sand.void_ratio:.2f}"
+    words = [sand, *others, scene.walls.words, scene.silo.words()]
     return ", ".join(word for word in words if word)

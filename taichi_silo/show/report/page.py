@@ -150,7 +150,7 @@ def _facts(run: Result) -> list[tuple[str, str]]:
         walls += f", {plain(scene.walls.friction_angle_deg)}°"
     walls = ", ".join(filter(None, (walls, bands.words(scene.walls))))
     return [
-        ("sand", scene.sand.name),
+        ("sand", scene.sand.words),
         ("void ratio", plain(scene.sand.void_ratio)),
         ("side walls", walls),
         ("weight", f"{kN(run.summary.get('weight_N_per_m'))} kN/m"),
