@@ -274,9 +274,10 @@ class Silo(Options):
             found.append("round silo")
         found += [outlet.words() for outlet in self.outlets]
         if self.hopper is not None:
-            found.append(
-                f"hopper of {self.hopper.half_angle_deg:g}°, outlet of {1e3 * self.hopper.outlet_width_m:g} mm"
-            )
+            found += [
+                f"hopper of {self.hopper.half_angle_deg:g}°",
+                f"outlet of {1e3 * self.hopper.outlet_width_m:g} mm",
+            ]
         if self.outline_m is not None:
             found.append(f"silo of {len(self.outline_m)} corners")
         found += [insert.words() for insert in self.inserts]
