@@ -150,8 +150,8 @@ def of_results(scene: Scene) -> list[str]:
         )
     if scene.filling.kind in ("layers", "rain"):
         found.append(
-            "Sand filled in by layers or rain pressed on smooth walls by a quarter to a third more than sand whose weight "
-            "grows: noise of the filling that flow does not take back."
+            "Sand filled in by layers or rain pressed on smooth walls by a quarter to a third more than sand whose "
+            "weight grows: noise of the filling that flow does not take back."
         )
     return found
 

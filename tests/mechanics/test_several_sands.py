@@ -7,6 +7,7 @@ import pytest
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.laws.several import Several, laws_of
+from taichi_silo.mpm.laws.stress_point import wave_speed
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.simulation import Simulation
 
@@ -51,6 +52,19 @@ def test_between_frictionless_walls_each_sand_has_the_pressure_ratio_of_its_own(
         assert own.sum() > 20
         ratio = float((xx[own] / yy[own]).mean())
         assert ratio == pytest.approx(law.rest_pressure_ratio(sand.void_ratio, 2e3), rel=0.02), sand.name
+
+
+def test_the_step_is_that_of_the_stiffest_point_in_its_own_sand():
+    stiff = HOSTUN | {"granular_hardness_Pa": 1e12}
+    what = scene(stiff)
+    silo, points, _ = filled(what)
+    h, e = what.grid.cell_size_m, points["void_ratio"]
+    transits = {0: [], 1: []}
+    for p, sand in enumerate(points["sand"].astype(int)):
+        c = wave_speed(laws_of(what.law)[sand], points["stress"][p], float(e[p]))
+        transits[sand].append(h / (c + np.hypot(*points["velocity"][p])))
+    assert silo.solver.point_sums().transit == pytest.approx(min(transits[1]), rel=1e-6)
+    assert min(transits[1]) < 0.8 * min(transits[0])
 
 
 def test_the_upper_sand_flows_out_as_what_it_is():

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from taichi_silo.mpm import graphics_cards, one_taichi
-from taichi_silo.mpm.crew import Crew
+from taichi_silo.mpm import graphics_cards, one_taichi, runtime
+from taichi_silo.mpm.crew import Crew, joined
 from taichi_silo.mpm.joint_steps import JointSteps
 from taichi_silo.scene.sands import sand as named_sand
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
@@ -99,3 +99,13 @@ def test_what_goes_wrong_in_one_run_stops_no_other():
     assert found["fails"] == "this run alone"
     scene("cpu").machine.start()
     assert_same(run(scene("cpu")), found["goes on"])
+
+
+def test_a_launch_takes_no_more_silos_than_a_kernel_may_use_trees_of_fields(monkeypatch):
+    scene("cpu").machine.start()
+    solvers = [Simulation(scene("cpu")).solver.executor for _ in range(3)]
+    apart, all_of_them = len(solvers[0].trees), len(set.union(*(one.trees for one in solvers)))
+    assert all_of_them == 3 * apart
+    for most, sizes in ((all_of_them + 1, [3]), (all_of_them, [2, 1]), (2 * apart, [1, 1, 1]), (1, [1, 1, 1])):
+        monkeypatch.setattr(runtime, "most_trees", lambda most=most: most)
+        assert [len(one.members) for one in joined(solvers)] == sizes
