@@ -13,7 +13,7 @@ import linecache
 import re
 import sys
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 from typing import Any
 
@@ -52,7 +52,10 @@ def _speed_up(name: str) -> None:
     deciding._inside_class = inside_class
     reading.getsourcelines, reading.getsourcefile = remember(reading.getsourcelines), remember(reading.getsourcefile)
     wrapping.textwrap = SimpleNamespace(fill=remember(textwrap.fill), dedent=textwrap.dedent)
-    if name == "taichi":  # the fork remembers positions itself
+    if name == "taichi":  # the fork remembers positions and finds kernels itself
+        deciding.data_oriented = importlib.import_module("taichi").data_oriented = functools.partial(
+            data_oriented, deciding._BoundedDifferentiableMethod, deciding.data_oriented
+        )
         context = importlib.import_module("taichi.lang.ast.ast_transformer_utils").ASTTransformerContext
         context.get_pos_info = position
 
@@ -70,3 +73,36 @@ def position(context: Any, node: Any) -> str:
     """The text of a place in a source: file, line, function, and what stands there."""
     line, name = node.lineno + context.lineno_offset, context.func.func.__name__
     return f'File "{context.file}", line {line}, in {name}:\n{context.src[node.lineno - 1]}\n'
+
+
+class BoundKernel:
+    """A kernel among the attributes of a class: an object's own when it is asked for.
+
+    Taichi looks for kernels whenever any attribute of such an object is asked for, in each of its functions.
+    """
+
+    def __init__(self, bind: Callable, kernel: Any):
+        self.bind, self.kernel = bind, kernel
+        kernel._is_staticmethod = False
+
+    def __get__(self, owner: Any, kind: type | None = None) -> Any:
+        if owner is None:
+            return self.kernel
+        bound = self.bind(owner, self.kernel)
+        bound.__name__ = self.kernel.__name__
+        return bound
+
+
+def data_oriented(bind: Callable, usual: Callable, kind: type) -> type:
+    """A class whose functions may be kernels; `usual` is Taichi's decorator, for what is no plain function."""
+    if any(isinstance(one, property | staticmethod) and _holds_kernel(one) for one in vars(kind).values()):
+        return usual(kind)
+    for name, one in list(vars(kind).items()):
+        if hasattr(one, "_is_wrapped_kernel"):
+            setattr(kind, name, BoundKernel(bind, one))
+    kind._data_oriented = True  # type: ignore[attr-defined]
+    return kind
+
+
+def _holds_kernel(one: Any) -> bool:
+    return hasattr(one.fget if isinstance(one, property) else one.__func__, "_is_wrapped_kernel")
