@@ -34,13 +34,16 @@ def noise_control(scene: Scene, period: float) -> NoiseControl:
 
 
 def grip(scene: Scene) -> float:
-    """How far walls make sand shear in zones of its own, instead of slipping along them: 0 to 1.
+    """How far walls make sand shear in zones of its own, instead of slipping along them, as the whole bottom sinks.
 
     Such zones feed the swing, which then packs the sand between them, unless the drag is stronger: dense sand softens
-    in them, and loose sand packs most easily. Not up to the sand's critical friction angle, wholly from 45 degrees on
-    and along very rough walls; between them it grows with the coefficient of friction.
+    in them, and loose sand packs most easily. Not up to the sand's critical friction angle (0), wholly from 45 degrees
+    on and along very rough walls (1); between them it grows with the coefficient of friction. Above an outlet the floor
+    beside it bears the column, and the usual drag is enough.
     """
     walls = scene.walls
+    if not scene.silo.floor_is_outlet:
+        return 0.0
     if walls.kind == "very-rough":
         return 1.0
     steepest = max((walls.friction_angle_deg or 0.0, *(band.friction_angle_deg for band in walls.bands)))

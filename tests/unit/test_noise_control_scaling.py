@@ -8,6 +8,7 @@ import pytest
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.scene.bands import Band
 from taichi_silo.scene.scene import Mesh, Sand, Scene, Silo, Walls
+from taichi_silo.scene.silo import Outlet
 from taichi_silo.simulation.time_scales import grip, noise_control
 
 
@@ -28,6 +29,10 @@ def test_sand_with_a_steep_critical_angle_is_held_by_very_rough_walls_alone():
     sand = Sand(critical_friction_angle_deg=50.0)
     assert grip(Scene(sand=sand, walls=Walls(kind="smooth", friction_angle_deg=45.0))) == 0.0
     assert grip(Scene(sand=sand)) == 1.0
+
+
+def test_above_an_outlet_the_usual_drag_is_enough():
+    assert grip(Scene(silo=Silo(outlet=Outlet(width_m=0.08)))) == 0.0
 
 
 def test_on_few_cells_the_drag_is_no_stronger_than_a_step_allows():
