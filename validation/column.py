@@ -110,6 +110,9 @@ def figure_of(runs: dict[float, Result]):
         found.plot(aspect, one["height_over_L0"], "s", color=COLORS[1])
     surfaces.set(xlabel="x / L₀", ylabel="height / L₀", aspect="equal", xlim=(0.0, None), ylim=(0.0, None))
     surfaces.legend()
+    found.set_xticks((0.5, 1.0, 2.0, 4.0), labels=("0.5", "1", "2", "4"))
+    found.set_yticks((0.5, 1.0, 2.0, 4.0), labels=("0.5", "1", "2", "4"))
+    found.minorticks_off()
     found.set(xlabel="aspect ratio H₀ / L₀", ylabel="(L − L₀) / L₀ (dots), H / L₀ (squares)")
     found.legend()
     return figure
