@@ -172,6 +172,7 @@ def check(scene, name: str, console: Console) -> None:
 def tell(folder: Path, console: Console | None = None) -> None:
     """Say where to look, and how far to trust it."""
     from taichi_silo.runs.result import Result
+    from taichi_silo.runs.run_folder import typed
     from taichi_silo.show.report.trust import verdict
 
     console = console or Console()
@@ -186,5 +187,5 @@ def tell(folder: Path, console: Console | None = None) -> None:
             console.say(f"  {name:26s} {what}")
     run = Result(folder, tolerant=True)
     said = verdict(run)
-    console.say(f"\n{said.title}. {said.words}", f"One page of it all: taichi-silo report {folder}")
+    console.say(f"\n{said.title}. {said.words}", f"One page of it all: taichi-silo report {typed(folder)}")
     console.result({"folder": str(folder), "summary": run.summary})

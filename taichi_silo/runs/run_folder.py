@@ -3,6 +3,7 @@
 import contextlib
 import os
 import platform
+import shlex
 import stat
 import subprocess
 import tempfile
@@ -177,7 +178,15 @@ def claim(folder: Path, overwrite: bool = False) -> Path:
 
 def go_on(folder: Path) -> str:
     """The command that goes on with the run of a folder."""
-    return f'taichi-silo resume "{folder}"' if " " in str(folder) else f"taichi-silo resume {folder}"
+    return f"taichi-silo resume {typed(folder)}"
+
+
+def typed(path: Path) -> str:
+    """A path as a command line takes it: quoted where a shell would read more in it, and never a flag."""
+    name = f"./{path}" if str(path).startswith("-") else str(path)
+    if os.name == "nt":
+        return f'"{name}"' if " " in name else name
+    return shlex.quote(name)
 
 
 def finished(folder: Path) -> bool:

@@ -89,7 +89,7 @@ def read_drawing(
     unit, known = units.of_drawing(drawing.header, unit, (float(span[0]), float(span[1])))
     scale = units.units()[unit]
     if not units.possible(scale * float(span.max())):
-        raise BadInput(f"unit is {unit}, {known}; {units.doubts(drawing.header, unit, *map(float, scale * span))}")
+        raise BadInput(f"unit is {unit}, {known}; {units.too_large_or_small(unit, *map(float, scale * span))}")
     pieces = _pieces(found.lines, axes, scale)
     if not pieces:
         raise BadInput(f"{path} holds no closed line: its lines have no length")
@@ -103,10 +103,11 @@ def read_drawing(
     if not (given or plausible):
         raise BadInput(f"unit is {unit}, {known}; {doubt}")
     head = words.of_taken(taken, len(lines), silo, unit, known)
-    of_half = half.words_of(choice.outline_of(taken.inside), taken.inside.corners.min(axis=0), pieces, level)
+    outline = choice.outline_of(taken.inside)
+    of_shape = half.words_of(outline, taken.inside.corners.min(axis=0), pieces, level) + words.of_upside_down(outline)
     cell, of_grid = grid.fitted(silo)
     of_rest = words.of_rest(found, unused, axes, mended)
-    said = [head, *of_half, *taken.words, *of_rest, *([doubt] if doubt else []), of_grid]
+    said = [head, *of_shape, *taken.words, *of_rest, *([doubt] if doubt else []), of_grid]
     bodies = tuple(number for number, one in enumerate(lines, 1) if any(one is body for body in taken.bodies))
     return Drawn(silo, cell, tuple(lines), taken.number, bodies, tuple(f"{one[:1].upper()}{one[1:]}." for one in said))
 

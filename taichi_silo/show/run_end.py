@@ -8,6 +8,7 @@ from pathlib import Path
 from taichi_silo.errors import BadInput
 from taichi_silo.runs import film_states
 from taichi_silo.runs.result import FILM, Result
+from taichi_silo.runs.run_folder import typed
 from taichi_silo.show.film import FilmError
 
 
@@ -27,7 +28,7 @@ def draw_film(folder: Path) -> str | None:
         return None
     except (ImportError, FilmError, BadInput) as error:
         (folder / FILM).unlink(missing_ok=True)  # one of an earlier stop, which ends there
-        return f"The film is not drawn, because {_why(error)}; `taichi-silo render {folder}` draws it later."
+        return f"The film is not drawn, because {_why(error)}; `taichi-silo render {typed(folder)}` draws it later."
 
 
 def draw_figures(folder: Path) -> str | None:
@@ -38,7 +39,9 @@ def draw_figures(folder: Path) -> str | None:
         plot_run(folder)
         return None
     except ImportError as error:
-        return f"The figures are not drawn, because {_why(error)}; `taichi-silo report {folder}` draws them later."
+        return (
+            f"The figures are not drawn, because {_why(error)}; `taichi-silo report {typed(folder)}` draws them later."
+        )
 
 
 def _why(error: Exception) -> str:

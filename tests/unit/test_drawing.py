@@ -139,6 +139,27 @@ def test_a_size_that_no_silo_has_names_the_unit_as_the_way(drawn):
     is_the_bin(read_silo(file, "mm"))
 
 
+def test_a_file_without_a_header_says_no_unit(drawn):
+    file = drawn(BIN, units=6)
+    text = file.read_text(encoding="utf-8")
+    file.write_text("  0\nSECTION\n  2\n" + text[text.index("ENTITIES") :], encoding="utf-8")
+    with pytest.raises(BadInput, match="the drawing says none; give --unit mm"):
+        read_silo(file)
+    is_the_bin(read_silo(file, "mm"))
+
+
+@pytest.mark.parametrize("far", [1e6, 4e8])
+def test_what_lies_far_from_the_silo_is_named_as_what_makes_the_drawing_too_large(drawn, far):
+    def draw(space):
+        closed(space, BIN, "BIN")
+        space.add_line((far, far), (far + 10, far))
+
+    file = drawn(draw=draw)
+    with pytest.raises(BadInput, match=r"lines that span .* implausible; delete what lies far .* with --layer"):
+        read_silo(file)
+    is_the_bin(read_silo(file, layers=["BIN"]))
+
+
 def test_inches_get_a_word_as_many_programs_write_them_unasked(drawn):
     drawing = read_drawing(drawn(BIN, units=1))
     assert drawing.silo.width_m == pytest.approx(5.08)
@@ -172,6 +193,28 @@ def test_hidden_layers_are_passed_over_unless_they_are_chosen(drawn, how):
     assert read_silo(file, layers=["OLD"]).width_m == pytest.approx(0.24)
 
 
+def test_a_layer_that_is_not_printed_is_passed_over(drawn):
+    def draw(space):
+        space.doc.layers.add("AID").dxf.plot = 0
+        closed(space, [(1.2 * x, 1.2 * y) for x, y in BIN], "AID")
+
+    drawing = read_drawing(drawn(BIN, draw=draw))
+    is_the_bin(drawing.silo)
+    assert "passed over: AID" in said(drawing)
+
+
+def test_invisible_lines_are_passed_over_and_their_layer_is_not_called_hidden(drawn):
+    def draw(space):
+        closed(space, SHELL).dxf.invisible = 1
+
+    drawing = read_drawing(drawn(BIN, draw=draw))
+    is_the_bin(drawing.silo)
+    assert "Invisible lines passed over (1)" in said(drawing)
+    assert "layers that are off" not in said(drawing).lower()
+    with pytest.raises(BadInput, match=r"no closed line: its lines are invisible"):
+        read_silo(drawn(draw=draw))
+
+
 def test_a_drawing_whose_layers_are_all_hidden_names_them(drawn):
     def draw(space):
         space.doc.layers.add("OLD").freeze()
@@ -191,6 +234,20 @@ def test_blocks_are_taken_apart(drawn):
     drawing = read_drawing(drawn(draw=draw))
     is_the_bin(drawing.silo)
     assert "layer SILO" in said(drawing)  # layer 0 of a block is that of its place
+
+
+@pytest.mark.parametrize("name", ["GONE", "PLANT"])
+def test_a_block_that_is_in_another_file_is_passed_over_with_a_word(drawn, name):
+    def draw(space):
+        space.doc.add_xref_def("plant.dwg", "PLANT")
+        space.doc.blocks.new("OUTER").add_blockref(name, (0, 0))
+        space.add_blockref("OUTER", (0, 0))
+
+    drawing = read_drawing(drawn(BIN, draw=draw))
+    is_the_bin(drawing.silo)
+    assert f"Blocks whose lines are in other files passed over: {name}" in said(drawing)
+    with pytest.raises(BadInput, match=rf"its lines are in other files, as block {name}; bind"):
+        read_silo(drawn(draw=draw))
 
 
 def test_a_block_on_a_frozen_layer_is_passed_over(drawn):
@@ -229,6 +286,17 @@ def test_lines_in_space_are_refused(drawn):
 def test_paper_space_is_named(drawn):
     with pytest.raises(BadInput, match=r"paper space \(Layout1\)"):
         read_silo(drawn(draw=lambda space: closed(space.doc.layout("Layout1"), BIN)))
+
+
+def test_a_closed_spline_is_a_body_however_its_knots_are_numbered(drawn):
+    def draw(space):
+        closed = space.add_spline()
+        closed.set_closed([(76, 276, 0), (124, 276, 0), (124, 324, 0), (76, 324, 0)])
+        closed.knots = [knot - 3.0 for knot in closed.knots]
+
+    drawing = read_drawing(drawn(BIN, draw=draw))
+    (body,) = drawing.silo.inserts
+    assert body.breadth_m == pytest.approx(0.048 * 11 / 12, rel=1e-3)  # of a uniform cubic spline about a square
 
 
 # --- lines that are joined --------------------------------------------------------------------------------------------
@@ -435,6 +503,14 @@ def test_sides_a_hair_out_of_level_are_levelled(drawn):
     assert silo.feet_m[0] == pytest.approx(0.2)
 
 
+def test_a_silo_that_is_wider_below_than_above_gets_a_word(drawn):
+    drawing = read_drawing(drawn([(x, -y) for x, y in BIN]))
+    assert drawing.silo.floor_m == pytest.approx((0.0, 0.2))
+    assert "Its floor is wider than its top" in said(drawing)
+    assert "upside down" in said(drawing)
+    assert "upside down" not in said(read_drawing(drawn(BIN)))
+
+
 # --- what is asked ----------------------------------------------------------------------------------------------------
 
 
@@ -471,6 +547,25 @@ def test_a_wall_of_two_lines_is_asked_about(drawn, draw):
     with pytest.raises(Unclear, match=r"line 2 .* fills 86% of line 1 .*inner face of a wall.*--line 2.*--line 1"):
         read_silo(file)
     is_the_bin(read_silo(file, line=2))
+
+
+def test_walls_of_two_lines_each_are_asked_about(drawn):
+    inner, outer = OPEN, [(x + (10 if x > 100 else -10), y) for x, y in OPEN]
+    walls = [side for one in (inner, outer) for side in (one[:3], one[3:])]
+    file = drawn(draw=lambda space: [space.add_lwpolyline(wall) for wall in walls])
+    with pytest.raises(Unclear, match=r"line 2 .* fills 90% of line 1 .*inner face of a wall.*--line 2"):
+        read_silo(file)
+    is_the_bin(read_silo(file, line=2))
+
+
+def test_an_open_tank_of_two_lines_has_one_lid(drawn):
+    def draw(space):
+        space.add_lwpolyline([(0, 500), (0, 0), (200, 0), (200, 500)])
+        space.add_lwpolyline([(-8, 500), (-8, -8), (208, -8), (208, 500)])
+
+    drawing = read_drawing(drawn(draw=draw), line=2)
+    assert drawing.silo.width_m == pytest.approx(0.2)
+    assert said(drawing).count("Its open top was closed") == 1
 
 
 def test_two_bins_are_asked_about(drawn):

@@ -1,6 +1,7 @@
 """What a run leaves behind: the contract that users' scripts rely on."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import pandas as pd
 import pytest
 
 from taichi_silo.mpm import language
+from taichi_silo.runs.run_folder import go_on
 from taichi_silo.scene.scene_files import read_scene
 from taichi_silo.utils import checked_npz
 
@@ -128,3 +130,14 @@ def test_the_summary_holds_peaks_certificate_and_cost(folder):
         "kinetic_energy_over_rigid_motion", "largest_kinetic_energy_over_work", "inertial_number_99th_percentile",
         "noise_of_normal_force", "mean_void_ratio_drift", "core_strain_path", "unexplained_densification",
     } <= set(certificate)  # fmt: skip
+
+
+@pytest.mark.skipif(os.name == "nt", reason="another shell")
+@pytest.mark.parametrize("name", ["plain", "a b", "-dash", "~home", "$HOME", "it's", 'a"b', "a;b", "#1", "a*"])
+def test_a_command_that_is_told_can_be_typed_as_it_stands(name):
+    command = go_on(Path(name)).removeprefix("taichi-silo resume ")
+    echoed = subprocess.run(
+        ["/bin/sh", "-c", f"printf %s {command}"], capture_output=True, text=True, timeout=60
+    ).stdout
+    assert Path(echoed) == Path(name)
+    assert not command.startswith("-")

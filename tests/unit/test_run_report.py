@@ -1,6 +1,7 @@
 """The report of a run: what stands in it, and what becomes of it when files are missing or damaged."""
 
 import json
+import os
 import re
 import shutil
 import sys
@@ -412,3 +413,9 @@ def test_the_command_says_where_the_page_is(run, tmp_path, monkeypatch, capsys):
             app.main()
         said = capsys.readouterr()
         assert ended.value.code == code and out in said.out and err in said.err
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names there are no bytes")
+def test_a_folder_may_have_a_name_that_is_no_utf_8(run, tmp_path):
+    folder = shutil.copytree(run, tmp_path / os.fsdecode(b"S\xfcd"))
+    assert "S?d" in report(folder).read_text(encoding="utf-8")

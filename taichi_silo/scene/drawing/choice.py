@@ -223,7 +223,7 @@ def _number(lines: Sequence[ClosedLine], line: ClosedLine) -> int:
 
 
 def _name(lines: Sequence[ClosedLine], line: ClosedLine) -> str:
-    (wide, high), (x, y) = line.size_m, line.corners.min(axis=0)
+    (wide, high), (x, y) = line.size_m, np.round(line.corners.min(axis=0), DIGITS) + 0.0
     return f"{_number(lines, line)} (layer {shown(line.layer, 30)}, {wide:.4g} m x {high:.4g} m at {x:.4g}, {y:.4g} m)"
 
 

@@ -8,6 +8,7 @@ from taichi_silo.utils import bounded_reading
 
 LARGEST = 50_000_000  # bytes of a file
 DWG = b"AC10"  # with which such a file begins
+UNIT = "$INSUNITS"  # in a drawing's header
 
 
 def opened(file: Path) -> tuple[Any, bool]:
@@ -20,11 +21,11 @@ def opened(file: Path) -> tuple[Any, bool]:
         from ezdxf import recover
     except ImportError as error:
         raise BadInput("reading drawings needs ezdxf: install taichi-silo[drawings]") from error
-    begin = bounded_reading.content(file, "a DXF drawing", LARGEST)[:4]
-    if begin == DWG:
+    content = bounded_reading.content(file, "a DXF drawing", LARGEST)
+    if content[:4] == DWG:
         raise BadInput(f"{file} cannot be read as a DXF drawing: it is a DWG file; save it as DXF")
     try:
-        return ezdxf.readfile(file), False
+        drawing, mended = ezdxf.readfile(file), False
     except Exception as first:  # noqa: BLE001 - a damaged file makes its readers say anything
         try:
             drawing, _ = recover.readfile(file)
@@ -33,4 +34,7 @@ def opened(file: Path) -> tuple[Any, bool]:
             empty = True
         if empty:
             raise BadInput(f"{file} cannot be read as a DXF drawing: it is none, or damaged") from first
-        return drawing, True
+        mended = True
+    if UNIT.encode() not in content:
+        drawing.header[UNIT] = 0  # the reader's own default says metres
+    return drawing, mended

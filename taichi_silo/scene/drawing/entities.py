@@ -18,6 +18,7 @@ CONTAINERS = ("INSERT", "MLINE")
 MOST_LINES = 20_000
 MOST_CORNERS = 20_000  # of one line
 DEEPEST = 16  # blocks in blocks
+PLACES = 32  # along each piece of a spline whose knots need them
 NEVER = "defpoints"  # a layer that is not printed
 ARC_M = 1e-3  # largest distance of a curve from the corners that stand for it
 ARC = 0.005  # the same over the size of the curve
@@ -45,11 +46,13 @@ class Line:
 
 @dataclass
 class Found:
-    """What a drawing holds: lines that count, and how many entities of other kinds, and on hidden layers, do not."""
+    """What a drawing holds: lines that count, and how many that do not: of other kinds, hidden, or in other files."""
 
     lines: list[Line]
     hidden: Counter
     others: Counter
+    elsewhere: Counter  # blocks, by name, whose lines are in another file
+    invisible: int = 0
 
 
 def lines_of(drawing: Any, layers: Iterable[str] = ()) -> Found:
@@ -59,16 +62,15 @@ def lines_of(drawing: Any, layers: Iterable[str] = ()) -> Found:
     """
     shown_layers = {_folded(name) for name in layers}
     hidden = set() if shown_layers else _hidden(drawing)
-    found = Found([], Counter(), Counter())
+    found = Found([], Counter(), Counter(), Counter())
     names: dict[str, str] = {}
     linetypes = {_folded(one.dxf.name): one.dxf.get("linetype", "") for one in drawing.layers}
-    for entity, layer in _entities(drawing.modelspace(), hidden, found.hidden):
+    for entity, layer in _entities(drawing.modelspace(), hidden, found):
         kind = entity.dxftype()
         names.setdefault(_folded(layer), layer)
         if shown_layers and _folded(layer) not in shown_layers:
             continue
-        if _folded(layer) in hidden or entity.dxf.get("invisible", 0):
-            found.hidden[layer] += 1
+        if _passed_over(entity, layer, hidden, found):
             continue
         centre = _centre(entity, layer, linetypes)
         line = Line(layer, _path(entity), kind in OVAL, centre) if kind in KINDS else None
@@ -113,7 +115,7 @@ def corners_of(line: Line, axes: tuple[int, int], scale: float) -> np.ndarray:
     return scale * np.array([tuple(place) for place in places])[:, axes]
 
 
-def _entities(space: Any, hidden: set[str], left_out: Counter, layer: str = "", deep: int = 0) -> Iterator[tuple]:
+def _entities(space: Any, hidden: set[str], found: Found, layer: str = "", deep: int = 0) -> Iterator[tuple]:
     """Entities of a layout or block with their layers; those of layer 0 in a block lie on the block's."""
     for entity in space:
         own = entity.dxf.get("layer", "0")
@@ -121,38 +123,70 @@ def _entities(space: Any, hidden: set[str], left_out: Counter, layer: str = "", 
         if entity.dxftype() not in CONTAINERS:
             yield entity, own
             continue
-        if _folded(own) in hidden or entity.dxf.get("invisible", 0):
-            left_out[own] += 1
+        if _passed_over(entity, own, hidden, found):
             continue
-        if deep < DEEPEST:
-            yield from _entities(_parts(entity), hidden, left_out, own, deep + 1)
+        if _elsewhere(entity):
+            found.elsewhere[entity.dxf.name] += 1
+        elif deep < DEEPEST:
+            yield from _entities(_parts(entity), hidden, found, own, deep + 1)
+
+
+def _passed_over(entity: Any, layer: str, hidden: set[str], found: Found) -> bool:
+    """Whether an entity does not show, which is counted."""
+    if _folded(layer) in hidden:
+        found.hidden[layer] += 1
+        return True
+    if entity.dxf.get("invisible", 0):
+        found.invisible += 1
+        return True
+    return False
+
+
+def _elsewhere(entity: Any) -> bool:
+    """Whether a block's lines are not in this file."""
+    if entity.dxftype() != "INSERT":
+        return False
+    block = entity.block()
+    return block is None or (not len(block) and (block.block.is_xref or block.block.is_xref_overlay))
 
 
 def _parts(entity: Any) -> Iterator:
     """Entities that a block or multiline stands for; none of a damaged one."""
+    from ezdxf import DXFError
+
     try:
         several = entity.dxftype() == "INSERT" and entity.mcount > 1
         for one in entity.multi_insert() if several else [entity]:
             yield from one.virtual_entities()
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
+    except (DXFError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
         return
 
 
 def _path(entity: Any) -> Any:
     """The path of an entity; None if it is damaged, or no line."""
-    from ezdxf.path import make_path
+    from ezdxf import DXFError
+    from ezdxf.path import from_vertices, make_path
 
     try:
-        path = make_path(entity)
+        curve = entity.construction_tool() if entity.dxftype() == "SPLINE" else None
+        path = make_path(entity) if curve is None or curve.is_clamped else from_vertices(_places(curve))
         places = np.array([tuple(place) for place in path.control_vertices()])
         return path if len(places) > 1 and np.isfinite(places).all() else None
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
+    except (DXFError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
         return None
 
 
+def _places(curve: Any) -> Iterator:
+    """Places along a spline that does not begin and end at its outermost knots, as a closed one may be stored."""
+    knots, last = curve.knots(), len(curve.control_points)
+    count = PLACES * (last - curve.degree) + 1
+    return curve.points(np.linspace(knots[curve.degree], knots[last], count))
+
+
 def _hidden(drawing: Any) -> set[str]:
-    """Layers that are off, frozen, or never printed."""
-    return {NEVER} | {_folded(one.dxf.name) for one in drawing.layers if one.is_off() or one.is_frozen()}
+    """Layers that are off, frozen, or not printed."""
+    hidden = (one for one in drawing.layers if one.is_off() or one.is_frozen() or not one.dxf.get("plot", 1))
+    return {NEVER} | {_folded(one.dxf.name) for one in hidden}
 
 
 def _centre(entity: Any, layer: str, linetypes: dict[str, str]) -> bool:

@@ -14,6 +14,7 @@ from taichi_silo.scene import polygons
 GAP = 0.002  # of the larger side of a drawing: ends that are closer belong together,
 WIDE = 0.006  # and such ends too, where that alone makes a silo
 TALL = 0.25  # of the highest line: lower ones are not taken for walls
+THICK = 0.5  # of the inside's width, at most: a wall of two lines
 EXACT = 1e-6  # of the same: places that are closer are one
 
 
@@ -220,11 +221,29 @@ def _lids(
                 alike[0].append(number)
             else:
                 walls.append([number])
-    for pair in walls:
+    for pair in [pair for alike in walls for pair in _facing(alike, lowest[:, 0])]:
         corners = np.array([lowest[pair].min(axis=0), highest[pair].max(axis=0)])
-        if len(pair) == 2 and not any(_fills(one, corners) for one in closed):
+        if not any(_fills(one, corners) for one in closed):
             found += _level(ends, free[np.isin(group[free // 2], pair)], corners[0, 1], corners[1, 1], gap)
     return found
+
+
+def _facing(walls: list[int], place: np.ndarray) -> list[list[int]]:
+    """The left and the right one of walls of equal height; of walls of two lines each, the outer and the inner pair.
+
+    Parameters
+    ----------
+    walls : numbers of chains.
+    place : the leftmost place of each chain.
+
+    """
+    if len(walls) == 2:
+        return [walls]
+    if len(walls) != 4:
+        return []
+    outer_left, left, right, outer_right = sorted(walls, key=lambda number: place[number])
+    thick = max(place[left] - place[outer_left], place[outer_right] - place[right])
+    return [[outer_left, outer_right], [left, right]] if thick < THICK * (place[right] - place[left]) else []
 
 
 def _fills(line: ClosedLine, corners: np.ndarray) -> bool:
@@ -258,7 +277,7 @@ def _loops(pieces: list[Piece], bridges: list, gap: float, lids: list | tuple = 
         along = tree.query(ring, predicate="dwithin", distance=polygons.SAME)
         names = [lids[number - len(bridges)][1] for number in sorted(along) if number >= len(bridges)]
         gaps = [_length(bridges[number]) for number in along if number < len(bridges)]
-        words = [f"its open {name} was closed by a level line" for name in names]
+        words = [f"its open {name} was closed by a level line" for name in dict.fromkeys(names)]
         if gaps:
             words.append(f"gaps of up to {max(gaps):.2g} m in it were closed ({len(gaps)})")
         slack = max(gaps, default=0.0)

@@ -3,6 +3,7 @@
 from typing import Any
 
 from taichi_silo.errors import BadInput
+from taichi_silo.scene.drawing.dxf_file import UNIT
 from taichi_silo.utils.messages import near, shown
 
 FOOT_M, SURVEY_FOOT_M = 0.3048, 1200.0 / 3937.0
@@ -79,7 +80,7 @@ def of_drawing(header: Any, given: str | None, extent: tuple[float, float]) -> t
     """
     if given is not None:
         return of_name(given), "as given"
-    found = of_code(header.get("$INSUNITS"))
+    found = of_code(header.get(UNIT))
     if found is None:
         metres, wide, high = units(), *extent
         sizes = "; ".join(f"{name}: {metres[name] * wide:.3g} m x {metres[name] * high:.3g} m" for name in COMMON)
@@ -100,17 +101,34 @@ def possible(extent_m: float) -> bool:
     return HEIGHTS_M[0] <= extent_m <= 5.0 * HEIGHTS_M[1]
 
 
+def too_large_or_small(unit: str, width_m: float, height_m: float) -> str:
+    """What is said of lines that span more, or less, than a silo and all that may stand beside it."""
+    others = _others(_sizes(unit, width_m, height_m))
+    words = f"lines that span {width_m:.4g} m x {height_m:.4g} m are implausible{others}"
+    large = max(width_m, height_m) > HEIGHTS_M[1]
+    return f"{words}; delete what lies far from the silo, or leave it out with --layer" if large else words
+
+
+def _sizes(unit: str, width_m: float, height_m: float) -> dict[str, tuple[float, float]]:
+    """Width and height [m] if the unit were another one."""
+    metres = units()
+    return {name: (metres[name] / metres[unit] * width_m, metres[name] / metres[unit] * height_m) for name in COMMON}
+
+
+def _others(sizes: dict[str, tuple[float, float]]) -> str:
+    """Units that make a plausible silo, as the end of a sentence."""
+    return "".join(f"; --unit {name} makes {wide:.3g} m x {high:.3g} m" for name, (wide, high) in sizes.items()
+                   if plausible(wide, high))  # fmt: skip
+
+
 def doubts(header: Any, unit: str, width_m: float, height_m: float) -> str:
     """A sentence on a unit that a drawing may not mean, with what another one would make of it; empty if none is."""
-    metres = units()
-    sizes = {name: (metres[name] / metres[unit] * width_m, metres[name] / metres[unit] * height_m) for name in COMMON}
+    sizes = _sizes(unit, width_m, height_m)
     if plausible(width_m, height_m):
-        if header.get("$INSUNITS") != INCH or unit != "in":
+        if header.get(UNIT) != INCH or unit != "in":
             return ""
         return (
             "The drawing says inches, which many programs write unasked: in millimetres (--unit mm) it would be "
             f"{sizes['mm'][0]:.4g} m x {sizes['mm'][1]:.4g} m"
         )
-    others = [f"--unit {name} makes {wide:.3g} m x {high:.3g} m" for name, (wide, high) in sizes.items()
-              if plausible(wide, high)]  # fmt: skip
-    return f"a silo {width_m:.4g} m wide and {height_m:.4g} m high is implausible" + "".join(f"; {o}" for o in others)
+    return f"a silo {width_m:.4g} m wide and {height_m:.4g} m high is implausible{_others(sizes)}"

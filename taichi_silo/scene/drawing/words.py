@@ -2,6 +2,9 @@
 
 from typing import Any
 
+import numpy as np
+
+from taichi_silo.scene import polygons
 from taichi_silo.scene.drawing import choice, entities, joining
 from taichi_silo.scene.silo import Silo
 from taichi_silo.utils.messages import shown
@@ -13,6 +16,10 @@ def of_rest(found: entities.Found, unused: int, axes: tuple[int, int], mended: b
     if found.hidden:
         names = shown(", ".join(sorted(found.hidden)), 120)
         said.append(f"layers that are off, frozen or not printed passed over: {names}")
+    if found.invisible:
+        said.append(f"invisible lines passed over ({found.invisible})")
+    if found.elsewhere:
+        said.append(f"blocks whose lines are in other files passed over: {shown(', '.join(found.elsewhere), 120)}")
     if axes != (0, 1):
         said.append(
             f"the drawing stands upright in space: its side view is the plane of {' and '.join('xyz'[k] for k in axes)}"
@@ -47,13 +54,30 @@ def of_none(drawing: Any, found: entities.Found) -> str:
             f"its lines are in the paper space ({shown(', '.join(papers), 100)}); move them to the model space (in "
             "CAD: CHSPACE), where a silo is drawn in its size"
         )
+    if found.invisible:
+        return "its lines are invisible; show them (in CAD: UNISOLATEOBJECTS)"
+    if found.elsewhere:
+        return (
+            f"its lines are in other files, as block {shown(', '.join(found.elsewhere), 100)}; bind them to this one "
+            "(in CAD: XREF, Bind)"
+        )
     if found.others:
-        return f"it holds {shown(', '.join(f'{count} {kind}' for kind, count in found.others.most_common(5)), 120)}"
+        kinds = ", ".join(f"{count} {kind}" for kind, count in found.others.most_common(5))
+        return f"it holds {shown(kinds, 120)}; draw the inside as a closed line"
     return "it is empty"
 
 
 def _holds_lines(layout: Any) -> bool:
     return any(entity.dxftype() in (*entities.KINDS, *entities.CONTAINERS) for entity in layout)
+
+
+def of_upside_down(outline: np.ndarray) -> list[str]:
+    """A sentence on a silo (n, 2) that is wider below than above; none on another one."""
+    left, right = polygons.sides(tuple((x, y) for x, y in outline.tolist()))
+    floor, top = (right[k, 0] - left[k, 0] for k in (0, -1))
+    if top >= 0.99 * floor:
+        return []
+    return [f"its floor is wider than its top, {floor:.4g} m against {top:.4g} m: turn it if it is drawn upside down"]
 
 
 def of_taken(taken: choice.Chosen, count: int, silo: Silo, unit: str, known: str) -> str:

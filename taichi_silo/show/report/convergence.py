@@ -31,7 +31,7 @@ def write_page(file: Path, scene: Scene, ended: str, numbers: pd.DataFrame, runs
         ],
     )  # fmt: skip
     with atomic_write.written(file) as passing:
-        passing.write_text(text, encoding="utf-8")
+        passing.write_text(text, encoding="utf-8", errors="replace")  # a name may be of any bytes
 
 
 def _title(scene: Scene) -> str:

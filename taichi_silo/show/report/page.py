@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from taichi_silo.errors import BadInput
 from taichi_silo.runs.result import FILM, Result
-from taichi_silo.runs.run_folder import MADE, no_link, writable
+from taichi_silo.runs.run_folder import MADE, no_link, typed, writable
 from taichi_silo.scene import bands, known_limits, sands
 from taichi_silo.show import html
 from taichi_silo.show.figures import plot_run
@@ -82,7 +82,7 @@ def report(run: str | os.PathLike, file: str | os.PathLike | None = None) -> Pat
         trouble = [] if found.summary and found.figures else _draw(found.folder)
         text = page(found, trouble)
     with atomic_write.written(target) as passing:
-        passing.write_text(text, encoding="utf-8")
+        passing.write_text(text, encoding="utf-8", errors="replace")  # a name may be of any bytes
     return target
 
 
@@ -132,7 +132,7 @@ def page(run: Result, trouble: Sequence[str] = ()) -> str:
         parameters=parameter_tables(run.parameters),
         cost=_cost(run),
         folder=run.folder.as_posix(),
-        again=f'"{file}"' if " " in (file := (run.folder / MADE).as_posix()) else file,
+        again=typed(run.folder / MADE),
     )
 
 
