@@ -73,6 +73,20 @@ def slid_wedge_run_out(aspect: float, angle_deg: float) -> float:
     return math.sqrt(2.0 * aspect / tangent) - 1.0
 
 
+def drawn_run_out(run: Result) -> float:
+    """(L - L0) / L0, the foot of the deposit drawn out: a straight line through its surface meets the floor there.
+
+    The line is through the surface where it is thicker than a cell and lower than half its greatest height, beyond
+    half of L0: the foot itself is thinner than a cell.
+    """
+    profile = profile_of(run.state(-1), run.scene)
+    x, y = profile.middle_m, profile.height_m
+    cell = run.scene.grid.cell_size_m
+    side = (y > cell) & (y < 0.5 * profile.top_m) & (x > 0.5 * LENGTH_M)
+    slope, height = np.polyfit(x[side], y[side], 1)
+    return float(-height / slope) / LENGTH_M - 1.0
+
+
 def row(aspect: float, run: Result) -> dict:
     """What a run has come to."""
     found = run.summary["collapse"]
@@ -82,6 +96,7 @@ def row(aspect: float, run: Result) -> dict:
         "cells_across_L0": round(LENGTH_M / run.scene.grid.cell_size_m),
         "run_out_over_L0": found["run_out_over_L0"],
         "lube_run_out_over_L0": lube_run_out(aspect),
+        "drawn_run_out_over_L0": drawn_run_out(run),
         "run_out_over_lube": found["run_out_over_L0"] / lube_run_out(aspect),
         "slid_wedge_over_L0": slid_wedge_run_out(aspect, angle),
         "height_over_L0": found["height_over_L0"],
