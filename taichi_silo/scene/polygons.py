@@ -74,7 +74,10 @@ def sides(corners: Corners) -> tuple[np.ndarray, np.ndarray]:
         )
     for name, level in (("floor", low), ("top", high)):
         if (np.abs(found[:, 1] - level) < SAME).sum() != 2:
-            raise ValueError(f"the outline has no level {name} at y = {level:g} m; it must be one side")
+            raise ValueError(
+                f"the outline has no level {name} at y = {level:g} m; two corners must be there: cut what is pointed, "
+                "round or leaning off level, however narrow"
+            )
     start = int(np.lexsort((-found[:, 0], np.round(found[:, 1] / SAME)))[0])  # right end of the floor
     turned = np.roll(found, -start, axis=0)  # anticlockwise: right side up, top, left side down
     top = int(np.argmax(np.round(turned[:, 1] / SAME)))  # the first corner of the top

@@ -321,7 +321,7 @@ def test_from_python_nothing_is_written_unless_asked(tmp_path, monkeypatch):
 def test_what_cannot_be_calibrated_is_refused_before_anything_is_written(tmp_path, said):
     lab, output = tmp_path / "lab", tmp_path / "out"
     for files, words in (
-        (None, "no such folder"),
+        (None, "there is no folder"),
         ({}, "0 tables"),
         ({"a.csv": "angle of repose [deg]\n33\n"}, "has no curve"),
         ({"a.csv": "time [s],load [N]\n1,2\n"}, "a.csv has the columns time [s], load [N]; it must have axial stress"),

@@ -147,7 +147,7 @@ def test_a_spreadsheet_is_not_passed_over_in_silence(tmp_path):
 
 
 def test_a_folder_that_is_none_is_refused(tmp_path):
-    with pytest.raises(BadInput, match="no such folder"):
+    with pytest.raises(BadInput, match="there is no folder"):
         read_laboratory(tmp_path / "lab")
     with pytest.raises(BadInput, match="0 tables"):
         read_laboratory(tmp_path)

@@ -41,7 +41,7 @@ def read_laboratory(folder: Path) -> Laboratory:
     """
     folder = bounded_reading.place(folder, "lab")
     if not folder.exists():
-        raise BadInput(f"lab is {folder}, and there is no such folder; it must hold CSV files of laboratory tests")
+        raise BadInput(f"there is no folder {folder}; lab must be one with CSV files of laboratory tests")
     found = sorted(folder.iterdir()) if folder.is_dir() else [folder]
     files = [one for one in found if one.suffix.lower() in ENDINGS and not one.name.startswith(".")]
     if not files and not folder.is_dir():
