@@ -169,6 +169,12 @@ class Silo(Options):
         return width**2 / (2.0 * self.width_m) if self.section == "round" else width
 
     @property
+    def sinking_share(self) -> float:
+        """Part of the silo's section below which sand leaves through the floor."""
+        share = sum(one.width for one in self.openings if one.in_floor) / self.width_m
+        return share**2 if self.section == "round" else share
+
+    @property
     def eccentricity_m(self) -> float:
         """Distance of the middle of an outlet from the axis, the greatest of several [m]."""
         middles = [0.5 * (one.low + one.high) if one.in_floor else one.at_m for one in self.openings]

@@ -34,16 +34,19 @@ def noise_control(scene: Scene, period: float) -> NoiseControl:
 
 
 def grip(scene: Scene) -> float:
-    """How far walls make sand shear in zones of its own, instead of slipping along them, as the whole bottom sinks.
+    """How far walls make sand shear in zones of its own as it sinks, instead of slipping along them: 0 to 1.
 
     Such zones feed the swing, which then packs the sand between them, unless the drag is stronger: dense sand softens
     in them, and loose sand packs most easily. Not up to the sand's critical friction angle (0), wholly from 45 degrees
-    on and along very rough walls (1); between them it grows with the coefficient of friction. Above an outlet the floor
-    beside it bears the column, and the usual drag is enough.
+    on and along very rough walls (1); between them it grows with the coefficient of friction. Where less than half of
+    the floor sinks, the rest bears the column, and the usual drag is enough.
     """
+    return max(0.0, 2.0 * scene.silo.sinking_share - 1.0) * _roughness(scene)
+
+
+def _roughness(scene: Scene) -> float:
+    """The part of the walls in it."""
     walls = scene.walls
-    if not scene.silo.floor_is_outlet:
-        return 0.0
     if walls.kind == "very-rough":
         return 1.0
     steepest = max((walls.friction_angle_deg or 0.0, *(band.friction_angle_deg for band in walls.bands)))

@@ -31,8 +31,14 @@ def test_sand_with_a_steep_critical_angle_is_held_by_very_rough_walls_alone():
     assert grip(Scene(sand=sand)) == 1.0
 
 
-def test_above_an_outlet_the_usual_drag_is_enough():
-    assert grip(Scene(silo=Silo(outlet=Outlet(width_m=0.08)))) == 0.0
+@pytest.mark.parametrize(("width", "held"), [(0.08, 0.0), (0.1, 0.0), (0.15, 0.5), (0.2, 1.0)])
+def test_above_an_outlet_of_less_than_half_the_floor_the_usual_drag_is_enough(width, held):
+    assert grip(Scene(silo=Silo(outlet=Outlet(width_m=width)))) == pytest.approx(held)
+
+
+def test_of_a_round_silo_the_area_of_the_floor_counts():
+    round_one = Silo(section="round", outlet=Outlet(width_m=0.16))
+    assert grip(Scene(silo=round_one)) == pytest.approx(2.0 * 0.64 - 1.0)
 
 
 def test_on_few_cells_the_drag_is_no_stronger_than_a_step_allows():
