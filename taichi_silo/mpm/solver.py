@@ -123,7 +123,7 @@ class Solver:
         if simd:
             return Simd(phases, self.particles, self.grid, self.shape, self.surroundings, self.averaging, self.filter)
         store = Fields(self.particles, self.grid, self.shape, on_tasks)
-        return Tasks(phases, store) if on_tasks else Threads(phases, store)
+        return Tasks(phases, store, self) if on_tasks else Threads(phases, store)
 
     @property
     def threads(self) -> int:

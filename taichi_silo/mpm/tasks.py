@@ -67,11 +67,11 @@ class Tasks(Executor):
     (Filters that COLLECT add in any order.) `joint_steps` has the loops; a `crew` shares them among several solvers.
     """
 
-    def __init__(self, phases: tuple[Phase, ...], store: Fields):
+    def __init__(self, phases: tuple[Phase, ...], store: Fields, solver: Any):
         self.store, self.particles, self.grid = store, store.particles, store.grid
         self.lists = CellLists(self.particles, self.grid, store.shape)
         self.tasks = tasks_of(phases, self.grid.follows in ("top", "surface"))
-        self.trees = trees(store, self.lists, *(phase.run.__self__ for phase in phases))
+        self.trees = trees(store, self.lists, solver)
         self.alone: JointSteps | None = None
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:

@@ -56,10 +56,9 @@ class Static:
 def test_a_formula_in_the_first_lines_of_a_program_is_decorated(tmp_path):
     file = tmp_path / "own.py"
     file.write_text(PROGRAM)
-    root = str(Path(__file__).parents[3])
-    done = subprocess.run(
-        [sys.executable, file], env=os.environ | {"PYTHONPATH": root}, capture_output=True, text=True, timeout=300
-    )
+    found = os.pathsep.join([str(Path(__file__).parents[3]), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = os.environ | {"PYTHONPATH": found}
+    done = subprocess.run([sys.executable, file], env=environment, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     assert "found 4" in done.stdout
 
