@@ -8,6 +8,7 @@ from taichi_silo.mpm.crew import Crew, joined
 from taichi_silo.mpm.joint_steps import JointSteps
 from taichi_silo.scene.sands import sand as named_sand
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
+from taichi_silo.scene.silo import Outlet
 from taichi_silo.simulation.simulation import Simulation
 
 ARCHITECTURES = [
@@ -109,3 +110,24 @@ def test_a_launch_takes_no_more_silos_than_a_kernel_may_use_trees_of_fields(monk
     for most, sizes in ((all_of_them + 1, [3]), (all_of_them, [2, 1]), (2 * apart, [1, 1, 1]), (1, [1, 1, 1])):
         monkeypatch.setattr(runtime, "most_trees", lambda most=most: most)
         assert [len(one.members) for one in joined(solvers)] == sizes
+
+
+def test_silos_that_get_new_solvers_as_they_begin_to_flow_wait_for_each_other(monkeypatch):
+    """In free outflow the drag ends with the filling; what is compiled for new solvers is compiled once for all."""
+    free = {"silo": Silo(width_m=0.1, height_m=0.2, outlet=Outlet(width_m=0.06))}
+    free["flow"] = Flow(outflow="gravity", displacement_m=0.02, longest_s=0.02)
+    scenes = {
+        "soon": scene("cpu", **free),
+        "later": scene("cpu", **free, method=Method(filling_time_s=0.03, longest_settling_s=0.0)),
+    }
+    alone = {}
+    for name, one in scenes.items():
+        one.machine.start()
+        alone[name] = run(one)
+    made = []
+    begin = JointSteps.__init__
+    monkeypatch.setattr(JointSteps, "__init__", lambda self, all_: (made.append(len(all_)), begin(self, all_))[1])
+    joined_runs = run_together(scenes)
+    assert made == [2, 2]
+    for name, one in alone.items():
+        assert_same(one, joined_runs[name])
