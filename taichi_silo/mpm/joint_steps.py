@@ -44,6 +44,9 @@ class Request(NamedTuple):
         return self._replace(done=self.done + count, asked=self.asked - count)
 
 
+COLUMNS = len(Request._fields) - 1  # of the plan: all but how many are asked for
+
+
 def block_of(threads: int) -> int:
     """How many threads stand in a block."""
     block = LARGEST_BLOCK
@@ -59,14 +62,14 @@ class JointSteps:
     def __init__(self, members: tuple["Tasks", ...]):
         self.members, self.burst = members, 1 if len(members) > 1 or runtime.lacks_functions() else BURST
         self.kinds = tuple(task.over for task in members[0].tasks)
+        most = [self._most(n) for n in range(len(self.kinds))]
+        self.blocks = tuple(block_of(len(members) * one) for one in most)
         # places of each member in a loop over all; whole blocks, so that a block is of one member
-        self.places = tuple(self._places(n) for n in range(len(self.kinds)))
-        self.blocks = tuple(block_of(len(members) * most) for most in self.places)
-        self.places = tuple(-(-most // block) * block for most, block in zip(self.places, self.blocks, strict=True))
-        self.loops = tuple(len(members) * most for most in self.places)
-        self.plan = ti.field(real, shape=(len(members), len(Request._fields) - 1))
+        self.places = tuple(-(-one // block) * block for one, block in zip(most, self.blocks, strict=True))
+        self.loops = tuple(len(members) * one for one in self.places)
+        self.plan = ti.field(real, shape=(len(members), COLUMNS))
 
-    def _places(self, n: int) -> int:
+    def _most(self, n: int) -> int:
         """The most that a member has of what task n runs over."""
         kind = self.kinds[n]
         if kind in (POINTS, COLLECT):
@@ -77,7 +80,7 @@ class JointSteps:
 
     def run(self, requests: Mapping["Tasks", Request], count: int) -> None:
         """Do the first `count` steps of each request; members that ask for nothing stand still."""
-        plan = np.zeros((len(self.members), len(Request._fields) - 1))
+        plan = np.zeros((len(self.members), COLUMNS))
         for m, one in enumerate(self.members):
             if one in requests:
                 done, _, *rest = requests[one]

@@ -32,11 +32,6 @@ class Several:
         return max(one.degree for one in self.laws)
 
     @property
-    def loosest(self) -> float:
-        """The greatest."""
-        return max(one.loosest for one in self.laws)
-
-    @property
     def radius(self) -> float:
         """Bound of the intergranular strain of all."""
         return self.laws[0].radius

@@ -19,9 +19,7 @@ SAID_EVERY = 0.01  # of all runs
 
 
 class Part(Observer):
-    """Says which part of the expected steps of all runs is done; `steps` are those of this one and of all."""
-
-    done: dict[int, float]  # part of all, by run
+    """Says which part of the expected steps of all runs is done; `done` holds that of each run, by its number."""
 
     def __init__(self, number: int, steps: int, all_steps: int, done: dict[int, float]):
         self.number, self.steps, self.all_steps, self.done = number, steps, all_steps, done
@@ -32,7 +30,7 @@ class Part(Observer):
 
     def observe(self, record) -> None:
         """Say it, if it has grown."""
-        own = min(self.simulation.clock.steps / max(self.steps, 1), 0.99) * self.steps / self.all_steps
+        own = min(self.simulation.clock.steps, 0.99 * self.steps) / self.all_steps
         if own >= self.done.get(self.number, 0.0) + SAID_EVERY:
             self.done[self.number] = own
             print(f"{sum(self.done.values()):.3f}", flush=True)

@@ -50,6 +50,14 @@ def run(scene):
     return {"records": np.array(records)} | silo.points("position", "velocity", "stress", "volume")
 
 
+def run_alone(scenes):
+    found = {}
+    for name, one in scenes.items():
+        one.machine.start()
+        found[name] = run(one)
+    return found
+
+
 def run_together(scenes):
     found = {}
     with one_taichi.held():
@@ -67,10 +75,7 @@ def assert_same(one, other):
 @pytest.mark.parametrize("arch", ARCHITECTURES)
 def test_silos_that_run_together_go_each_as_it_does_alone(arch, monkeypatch):
     scenes = {name: scene(arch, **parts) for name, parts in SCENES.items()}
-    alone = {}
-    for name, one in scenes.items():
-        one.machine.start()
-        alone[name] = run(one)
+    alone = run_alone(scenes)
     launched = []
     steps = JointSteps.run
     monkeypatch.setattr(JointSteps, "run", lambda self, asked, n: (launched.append(len(asked)), steps(self, asked, n)))
@@ -120,10 +125,7 @@ def test_silos_that_get_new_solvers_as_they_begin_to_flow_wait_for_each_other(mo
         "soon": scene("cpu", **free),
         "later": scene("cpu", **free, method=Method(filling_time_s=0.03, longest_settling_s=0.0)),
     }
-    alone = {}
-    for name, one in scenes.items():
-        one.machine.start()
-        alone[name] = run(one)
+    alone = run_alone(scenes)
     made = []
     begin = JointSteps.__init__
     monkeypatch.setattr(JointSteps, "__init__", lambda self, all_: (made.append(len(all_)), begin(self, all_))[1])
