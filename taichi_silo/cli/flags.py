@@ -26,7 +26,7 @@ NAMES = {  # of flags that are not called as the last part of their path
     "method.stress_filter": "filter", "averaging.wall": "averaging_wall",
     "averaging.means": "averaging_means",
 }  # fmt: skip
-OF_FIDELITY = ("grid.cell_size_m", "grid.points_per_cell", "flow.speed_m_per_s")  # what a named fidelity may set
+OF_FIDELITY = ("grid.cell_size_m", "flow.speed_m_per_s")  # what a named fidelity may set
 TIME_STEP, AUTO = "method.time_step_s", "auto"
 DEFAULT = Scene()
 METHOD = tuple(f"method.{name}" for name in MethodOptions.model_fields)
@@ -72,7 +72,7 @@ def refuse_flags_of_scenarios(words: Sequence[str], own: Iterable[str]) -> None:
         if not equals and number + 1 < len(words) and not words[number + 1].startswith("--"):
             given = words[number + 1]
         if path is None:
-            right = " and ".join(f"--set {one}=..." for one in (OF_FIDELITY[0], OF_FIDELITY[2]))
+            right = " and ".join(f"--set {one}=..." for one in OF_FIDELITY)
         else:
             right = f"--set {path}={shown(given) if given else '...'}"
         raise BadInput(f"{flag} is a flag of scenarios, and this is a scene file; give {right}")
@@ -95,7 +95,8 @@ def default_of(scene: Scene, path: str) -> Any:
     """What a flag is without being given; None where that depends on other things."""
     if path == TIME_STEP:
         return AUTO
-    if path in OF_FIDELITY or path == "machine.threads" or path.removeprefix("flow.") in scene.flow.chosen:
+    table, _, name = path.partition(".")
+    if path in OF_FIDELITY or path == "machine.threads" or name in getattr(getattr(scene, table), "chosen", ()):
         return None
     return value(scene, path)
 

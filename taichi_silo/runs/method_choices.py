@@ -91,7 +91,7 @@ def cell_size(scene: Scene) -> Part:
     """As given, or chosen to fit the silo."""
     silo, h = scene.silo, scene.grid.cell_size_m
     narrow = cell_sizes.narrowest_m(silo)
-    why = "Not given, so chosen to fit" if scene.grid.chosen else "As given"
+    why = "Not given, so chosen to fit" if "cell_size_m" in scene.grid.chosen else "As given"
     because = (
         f"{why}: {round(silo.width_m / h)} cells across, {round(silo.height_m / scene.cell_height_m)} along the "
         f"height, {narrow / h:.3g} across the outlet."

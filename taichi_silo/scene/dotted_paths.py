@@ -112,10 +112,9 @@ def tables_with(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
     Raises BadInput if it has no such path.
     """
     tables = scene.model_dump()
-    if scene.grid.chosen:
-        del tables["grid"]["cell_size_m"]  # that of another silo is another one
-    for name in scene.flow.chosen:
-        del tables["flow"][name]  # so is this
+    for table in ("grid", "flow"):
+        for name in getattr(scene, table).chosen:
+            del tables[table][name]  # that of another silo is another one
     for path, value in values.items():
         if not known(path):
             raise BadInput(f"setting is {shown(path)}; a scene has no such value{hint(path)}")

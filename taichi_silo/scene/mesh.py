@@ -10,6 +10,7 @@ from taichi_silo.scene.silo import Silo
 from taichi_silo.utils.messages import shown
 from taichi_silo.utils.schema import Options
 
+BESIDE_CUT_CELLS = 4  # points a cell: one does not hold an inclined wall's pressure (see `mpm.walls.surfaces`)
 MOST_PER_CELL = 10_000
 MOST_CELLS = 20_000  # across or along a silo
 
@@ -24,7 +25,11 @@ class Mesh(Options):
         description="size of a cell of the grid; it divides the width; where a scene lacks it and the default does not "
         "fit, about 40 cells go across",
     )
-    points_per_cell: int = Field(1, description="points in a cell at the start, a square number: 1, 4, 9, ...")
+    points_per_cell: int = Field(
+        1,
+        description="points in a cell at the start, a square number: 1, 4, 9, ...; where a scene lacks it 1, or 4 if "
+        "walls cut cells",
+    )
     shape: Shape = Field("ugimp", description="shape functions")
 
     @field_validator("points_per_cell")
@@ -37,17 +42,21 @@ class Mesh(Options):
         return value
 
     @property
-    def chosen(self) -> bool:
-        """Whether the size of a cell was not given."""
-        return "cell_size_m" not in self.model_fields_set
+    def chosen(self) -> tuple[str, ...]:
+        """What follows the silo, as it was not given."""
+        return tuple(name for name in ("cell_size_m", "points_per_cell") if name not in self.model_fields_set)
 
     def fitted(self, silo: Silo) -> "Mesh":
-        """The grid, its cells chosen to fit a silo where their size is not given."""
-        size = cell_sizes.chosen(silo, self.cell_size_m) if self.chosen else self.cell_size_m
-        if size == self.cell_size_m:
+        """The grid, the size of its cells and their points chosen for a silo where they are not given."""
+        fitting = {
+            "cell_size_m": cell_sizes.chosen(silo, self.cell_size_m),
+            "points_per_cell": BESIDE_CUT_CELLS if silo.cuts_cells else 1,
+        }
+        values = {name: fitting[name] for name in self.chosen if fitting[name] != getattr(self, name)}
+        if not values:
             return self
-        found = self.model_copy(update={"cell_size_m": size})
-        found.__pydantic_fields_set__.discard("cell_size_m")
+        found = self.model_copy(update=values)
+        found.__pydantic_fields_set__.difference_update(values)
         return found
 
     def check(self, silo: Silo) -> None:

@@ -221,6 +221,11 @@ class Silo(Options):
             inside = inside & ~insert.contains(x, y, self.width_m)
         return inside
 
+    @property
+    def cuts_cells(self) -> bool:
+        """Whether walls or bodies cross the cells of the grid."""
+        return self.hopper is not None or self.outline_m is not None or bool(self.inserts)
+
     def lattice(self, spacing_m: float, rise_m: float | None = None) -> tuple[np.ndarray, ...]:
         """x, y [m] and area [m2] of the points that fill it, row after row from the floor, each a rise above the other.
 

@@ -13,7 +13,7 @@ def filter_of(scene: "Scene") -> tuple[str, str]:
     asked, count, silo = scene.method.stress_filter, scene.grid.points_per_cell, scene.silo
     if asked not in ("auto", "patch"):
         return asked, f"As asked for: {asked}."
-    if asked == "auto" and count == 1 and (silo.hopper is not None or silo.outline_m is not None or silo.inserts):
+    if asked == "auto" and count == 1 and silo.cuts_cells:
         return "none", (
             "Beside walls that cut cells the equilibrium of nodes needs stresses that vary from cell to cell; with one "
             "point a cell the patch filter would take them and make the sand creep. With four it need not be left out."

@@ -110,7 +110,7 @@ def fill_of(scene: Scene, section: Section, law: Law) -> dict[str, np.ndarray]:
     x, y, volume = scene.silo.lattice(d, rise)
     computed = (x > section.shift) & (x < section.shift + section.width)
     x, y, volume = x[computed] - section.shift, y[computed], volume[computed]
-    count, volume = len(x), volume * section.geometry.depth(x)
+    count, wide, volume = len(x), volume / rise, volume * section.geometry.depth(x)
     density = law.grain_density / (1.0 + scene.sand.void_ratio_at(y))
     state = {
         "position": np.stack([x, y], axis=1),
@@ -119,8 +119,10 @@ def fill_of(scene: Scene, section: Section, law: Law) -> dict[str, np.ndarray]:
         "mass": density * volume,
         "volume": volume,
         "path": np.broadcast_to(0.0, count),
-        "domain": np.broadcast_to([d, 0.0, 0.0, rise], (count, 4)),
     }
+    if SHAPES[scene.grid.shape].DOMAIN:  # domains fill the row between its walls, without gaps
+        nothing = np.zeros(count)
+        state["domain"] = np.column_stack([wide, nothing, nothing, nothing + rise])
     if are_several(law):
         state["sand"] = scene.sand.sand_at(y).astype(float)
     if law.REMEMBERS:  # the last strain is that of filling: vertical compression

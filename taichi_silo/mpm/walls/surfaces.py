@@ -6,9 +6,14 @@ slides, and that goes to the nodes with the weights that they have at the statio
 
     p += k v_n dt,  tau += k v_t dt,  |tau| <= mu p,  p >= 0 (a gap opens instead),  f_i -= (p n + tau t) S_i ds,
 
-with weights S_i = S_i(x) m_i / sum(S m), and v = sum(S_i v_i) the velocity of the sand there. The stiffness
-k = STIFFNESS rho h / dt^2 follows from the step, so that it limits it no further; sand sinks into the wall by some
-thousandths of a cell. Balance is exact: what nodes get is what is booked. The grid must stand still.
+with weights S_i = S_i(x) a_i / sum(S a), a_i = m_i / (m_i + LIGHT M), and v = sum(S_i v_i) the velocity of the sand
+there; M is the mass of a full cell. A uniform stress in the sand and its traction on the wall must leave all nodes in
+equilibrium; that takes S_i(x) itself. So all nodes weigh alike, but for those with less than a tenth of a full mass,
+which the traction would throw about. (With weights in proportion to m_i the sand between the wall and the middle of
+its cells is held by nobody and yields like a soft layer: the lid of a hopper bears up to half as much again, and
+a filter of the stresses makes sand creep.) The stiffness k = STIFFNESS rho h / dt^2 follows from the step, so that it
+limits it no further; the wall gives way like a layer of sand of a sixth of a cell. Balance is exact: what nodes get is
+what is booked. The grid must stand still.
 """
 
 import math
@@ -25,9 +30,10 @@ from taichi_silo.mpm.runtime import real, whole_numbers
 from taichi_silo.mpm.walls.contact import Coulomb, NoSlip
 
 PER_CELL = 4  # stations along the edge of a cell
-STIFFNESS = 0.1  # k dt^2 / (rho h): the square of the angle by which sand on the wall swings in a step
+STIFFNESS = 1.0  # k dt^2 / (rho h): the square of the angle by which sand on the wall swings in a step
+LIGHT = 0.1  # of a full cell's mass, below which a node bears less of the traction
 ON_AXIS = 1e-6  # of a cell: nearer to the axis of a round silo there is no wall
-LEAST = 0.02  # of the density of the full station's surroundings: less sand, and nothing touches
+LEAST = 0.02  # of the mass of a full cell: less sand around a station, and nothing touches
 
 
 @frozen
@@ -96,8 +102,8 @@ class Surfaces:
     ==============  ==========  ========================================================================
     field           shape       meaning
     ==============  ==========  ========================================================================
-    traction        station, 4  pressure p, friction tau along the tangent [Pa], gap [m], 1 / sum(S m)
-    fixed           station, 5  normal (2), area [m], friction coefficient (below 0: very rough), 1 / depth
+    traction        station, 4  pressure p, friction tau along the tangent [Pa], gap [m], 1 / sum(S a), 0 untouched
+    fixed           station, 5  normal (2), area [m], friction coefficient (below 0: very rough), mass M of a full cell
     patch           station     flat index of its first node
     weight          station, 9  S of its 3 x 3 nodes
     seen            node, 3     mass and velocity of the node in the present step
@@ -134,14 +140,16 @@ class Surfaces:
         self.count = len(place)
         self.places, self.normals, self.areas, self.owners = place, normal, area * away, owners
         self.fixed = ti.field(real, shape=(self.count, 5))
-        put(self.fixed, np.column_stack([normal, area * away, mu, 1.0 / np.maximum(away, 1e-12)]))
+        full = density * h * grid.first_cell_height * np.maximum(away, 1e-12)
+        put(self.fixed, np.column_stack([normal, area * away, mu, full]))
         patch, weight = self._weights(place / (h, grid.first_cell_height))
         self.patches, self.station_weights = patch, weight
         self.weight = ti.field(real, shape=(self.count, 9))
         put(self.weight, weight)
         self.traction = ti.field(real, shape=(self.count, 4))
         self.seen = ti.field(real, shape=(grid.nodes, 3))
-        nodes = patch[:, None] + np.array([b * grid.columns + a for b in range(3) for a in range(3)])
+        self.around = np.array([b * grid.columns + a for b in range(3) for a in range(3)])
+        nodes = patch[:, None] + self.around
         given = weight * (area * away)[:, None]
         station = np.repeat(np.arange(self.count), 9)
         sort = np.argsort(nodes.ravel(), kind="stable")
@@ -182,12 +190,13 @@ class Surfaces:
 
     def stored_J(self, step_s: float) -> float:
         """Energy of these springs, (p^2 + tau^2) / 2 k over their area, for steps of so long [J/m, or per radian]."""
-        p, tau, _, per_m = values(self.traction).T
-        area, per_depth = values(self.fixed)[:, (2, 4)].T
-        touched = per_m > 0.0
-        density = per_depth[touched] / per_m[touched] / (self.grid.cell_size * self.grid.first_cell_height)
+        p, tau, _, share = values(self.traction).T
+        area, full = values(self.fixed)[:, (2, 4)].T
+        nodes = self.patches[:, None] + self.around
+        mass = (self.station_weights * values(self.seen)[nodes, 0]).sum(axis=1)
+        density = self.density * np.maximum(mass / full, LEAST)
         stiffness = STIFFNESS * density * self.grid.cell_size / step_s**2
-        return float((area[touched] * (p[touched] ** 2 + tau[touched] ** 2) / (2.0 * stiffness)).sum())
+        return float(((share > 0.0) * area * (p**2 + tau**2) / (2.0 * stiffness)).sum())
 
     def area_by_row(self, wall: int) -> np.ndarray:
         """Area of a wall that the nodes of each row stand for (rows,) [m2/m, or per radian]."""
@@ -202,12 +211,17 @@ class Surfaces:
         x, y = 0.0, 0.0
         for n in range(self.begin[k], self.begin[k + 1]):
             q = self.link[n]
-            s = self.given[n] * self.seen[k, 0] * self.traction[q, 3]
+            s = self.given[n] * self._bears(q, self.seen[k, 0]) * self.traction[q, 3]
             p, tau, nx, ny = self.traction[q, 0], self.traction[q, 1], self.fixed[q, 0], self.fixed[q, 1]
             fx, fy = -s * (p * nx - tau * ny), -s * (p * ny + tau * nx)
             x, y = x + fx, y + fy
             impulses.add_wall(self.wall[q], j, k, (fx * dt, fy * dt))
         return x, y
+
+    @ti.func
+    def _bears(self, q, mass):
+        """How much of the traction of station q a node of some mass takes, from 0 to 1."""
+        return mass / (mass + LIGHT * self.fixed[q, 4])
 
     @ti.func
     def note(self, k, mass, x, y):
@@ -220,19 +234,22 @@ class Surfaces:
         h = self.grid.cell_size
         for q in range(self.row[j], self.row[j + 1]):
             first = self.patch[q]
-            m, vx, vy = 0.0, 0.0, 0.0
+            m, total, vx, vy = 0.0, 0.0, 0.0, 0.0
             for b in ti.static(range(3)):
                 for a in ti.static(range(3)):
                     k = first + b * self.grid.columns + a
-                    share = self.weight[q, 3 * b + a] * self.seen[k, 0]
-                    m, vx, vy = m + share, vx + share * self.seen[k, 1], vy + share * self.seen[k, 2]
+                    weight, mass = self.weight[q, 3 * b + a], self.seen[k, 0]
+                    share = weight * self._bears(q, mass)
+                    m, total = m + weight * mass, total + share
+                    vx, vy = vx + share * self.seen[k, 1], vy + share * self.seen[k, 2]
             nx, ny, mu = self.fixed[q, 0], self.fixed[q, 1], self.fixed[q, 3]
-            density = m * self.fixed[q, 4] / (h * self.grid.first_cell_height)
-            p, tau, gap, per_m = 0.0, 0.0, self.traction[q, 2], 0.0
-            if density > LEAST * self.density:
-                per_m = 1.0 / m
-                vx, vy = vx * per_m, vy * per_m
-                stiff = STIFFNESS * density * h / dt  # times a velocity: what the traction grows by in a step
+            filled = m / self.fixed[q, 4]
+            p, tau, gap, per_share = 0.0, 0.0, self.traction[q, 2], 0.0
+            if filled > LEAST:
+                per_share = 1.0 / total
+                vx, vy = vx * per_share, vy * per_share
+                # times a velocity: what the traction grows by in a step
+                stiff = STIFFNESS * filled * self.density * h / dt
                 towards, along = vx * nx + vy * ny, vy * nx - vx * ny
                 p = self.traction[q, 0] + stiff * towards
                 tau = self.traction[q, 1] + stiff * along
@@ -250,4 +267,4 @@ class Surfaces:
                 gap = 0.0
                 friction.leave_station(q)
             self.traction[q, 0], self.traction[q, 1], self.traction[q, 2] = p, tau, gap
-            self.traction[q, 3] = per_m
+            self.traction[q, 3] = per_share
