@@ -132,8 +132,8 @@ def of_results(scene: Scene) -> list[str]:
         )
     if scene.grid.points_per_cell == 1 and silo.cuts_cells:
         found.append(
-            "With one point a cell inclined walls hold too little: a shallow hopper lets its outlet bear two or three "
-            "times as much after filling; four points a cell cure it."
+            "With one point a cell inclined walls hold a wrong share of the sand: after filling the outlet of a hopper "
+            "of 20° bears 0.15 instead of 0.26 of the weight, of 45° 0.40 instead of 0.22; four points a cell cure it."
         )
     if silo.has_opening:
         found += _of_outlet(scene)
