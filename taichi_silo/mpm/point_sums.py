@@ -38,10 +38,10 @@ class PointSums:
 
         Returns
         -------
-        kinetic_energy [J/m], momentum (vertical) [kg m/s /m], transit: least h / (c + |v|) [s], void_ratio_low,
-        separated: points that carry no stress, strays: points outside the grid or not finite, speed: greatest [m/s],
-        void_ratio_high, height: sum of mass times height above the floor [kg m/m], stored: sum of volume times stress
-        squared over twice the stiffness, the energy that sand gives back at most about once [J/m].
+        kinetic_energy [J/m], momentum (vertical) [kg m/s /m], transit: least h / (c + |v|) [s], void_ratio_low above
+        the floor, separated: points that carry no stress, strays: points outside the grid or not finite, speed:
+        greatest [m/s], void_ratio_high, height: sum of mass times height above the floor [kg m/m], stored: sum of
+        volume times stress squared over twice the stiffness, the energy that sand gives back at most about once [J/m].
 
         """
         self.take()
@@ -75,6 +75,9 @@ class PointSums:
         stiffness = stiffness_of(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), e)
         c = ti.sqrt(stiffness * (1.0 + e) / self.law.grain_density)
         transit = ti.min(self.grid.cell_size, self.grid.cell_height(0)) / (c + speed)
+        packed = e
+        if x[1] < 0.0:  # the gate packs what has passed the floor as it likes
+            packed = FAR
         squared = s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2.0 * s[3] * s[3]
         separated, stray = 0.0, 0.0
         if -trace((s[0], s[1], s[2], s[3])) <= 3.0 * self.law.rest_stress * (1.0 + 1e-9):
@@ -87,7 +90,7 @@ class PointSums:
         if not (inside and finite):
             stray = 1.0
         return (
-            0.5 * m * speed * speed, m * v[1], transit, e, separated, stray, speed, e, m * x[1],
+            0.5 * m * speed * speed, m * v[1], transit, packed, separated, stray, speed, e, m * x[1],
             0.5 * volume * squared / stiffness,
         )  # fmt: skip
 

@@ -126,7 +126,7 @@ class Density(Check):
                 f"the void ratio falls to {record.void_ratio_low:.3f}{{place}}, below {densest:.3f}, denser than any "
                 "packing", *self._compactor(), record.void_ratio_low, densest,
             )  # fmt: skip
-            return self.at_most(alarm, lambda points: -points["void_ratio"])
+            return self.at_most(alarm, lambda points: -abs(points["void_ratio"] - record.void_ratio_low))
         if record.void_ratio_high > loosest:
             alarm = Alarm(
                 "void ratio", True,
