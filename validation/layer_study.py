@@ -65,7 +65,8 @@ def study(
         at = 1e-3 * np.array(AT_MM)
         errors = np.interp(at, *curve) / np.interp(at, *reference(case)) - 1.0
         rows.append((TITLES[case], shape, stress_filter, points, 1.0 / cells, *(100.0 * errors), least))
-    columns = ["case", "shape", "filter", "points", "h_over_lc", *(f"error_{u:g}mm_percent" for u in AT_MM), "least_stress"]
+    errors_at = [f"error_{u:g}mm_percent" for u in AT_MM]
+    columns = ["case", "shape", "filter", "points", "h_over_lc", *errors_at, "least_stress"]
     table = pd.DataFrame(rows, columns=columns)
     table.to_csv(output / "layer.csv", index=False, float_format="%.3g")
     print(table.to_string(index=False, float_format=lambda value: f"{value:.3g}"))

@@ -133,11 +133,11 @@ def test_sand_may_leave_a_coulomb_wall_but_not_a_very_rough_one():
 def test_how_dense_sand_is_below_the_floor_counts_no_more():
     """It has passed an outlet, whose gate packs it; the densest sand is looked for above."""
     particles, grid = block(width=0.4, height=0.4, cell=0.1, origin=(0.0, 0.0), box=(0.4, 0.6))
-    state = particles.arrays()
+    volume, place = particles.arrays()["volume"].copy(), particles.arrays()["position"].copy()
     densest, gone = 3, 0
-    volume = state["volume"].copy()
     volume[densest], volume[gone] = 0.8 * volume[densest], 0.5 * volume[gone]
-    change(particles, volume=volume, position=state["position"] - [0.0, 0.06] * (np.arange(len(volume)) == gone)[:, None])
+    place[gone, 1] -= 0.06
+    change(particles, volume=volume, position=place)
     body = solver(particles, grid, UniformGimp(0.5), Elastic(1e6, 0.0))
     expected = 0.8 * 2650.0 / 1500.0 - 1.0
     assert body.point_sums().void_ratio_low == pytest.approx(expected, rel=1e-12)

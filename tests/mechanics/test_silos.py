@@ -277,7 +277,7 @@ def test_what_the_outlet_bears_depends_neither_on_the_cells_nor_on_their_points_
 
 
 def test_beside_inclined_walls_the_filter_of_four_points_changes_neither_the_rest_nor_the_beginning_of_flow():
-    """Where cut cells need stresses that vary from cell to cell, a filter that takes them makes sand creep on and on."""
+    """If cut cells needed stresses that vary from cell to cell, a filter would take them, and the sand creep."""
     found = {}
     for chosen in ("patch", "none"):
         runtime.init()
