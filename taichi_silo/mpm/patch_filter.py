@@ -15,7 +15,8 @@ subtracts a share of what four passes of 1 - P leave,
 where gamma_p is the path length of the point's strain since the filter's last turn, and m_p = 1 - exp(-(l_p / l)^2),
 l_p being its whole path, grows as the sand forgets. Nothing happens to sand at rest, to a body that only moves, to an
 elastic one, nor, but for parts in a thousand, to sand that is being filled, and the error is of eighth order in the
-cell size. The filter must not act earlier: beside walls that cut cells, equilibrium of the nodes needs stresses that
+cell size. Sand that is as dense as it can be keeps its stress, too: that alone keeps a point from being packed further,
+at the tip of a body or at the edge of an outlet. The filter must not act earlier: beside walls that cut cells, equilibrium of the nodes needs stresses that
 vary from cell to cell. Where they fade, sand strains until it has them again, which makes them fade again: it creeps,
 and in a hopper N after filling is half as large again. With one point a cell it creeps in flow as well, and a scene
 has no filter there (`scene.stress_filter`).
@@ -33,7 +34,7 @@ from taichi_silo.mpm.executors import Barrier, Phase
 from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.laws.several import admissible
+from taichi_silo.mpm.laws.several import admissible, room
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.patch_passes import NOWHERE, PatchPasses
 from taichi_silo.mpm.runtime import real
@@ -143,10 +144,10 @@ class PatchFilter:
                 continue
             path = self.particles.path[p]
             forgets = 1.0 - exp_minus((path / FORGETS) ** 2)
-            share = 1.0 - exp_minus(forgets * (path - self.path[p]) / STRAIN)
+            e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
+            share = room(self.law, self.particles, p, e) * (1.0 - exp_minus(forgets * (path - self.path[p]) / STRAIN))
             self.path[p] = path
             if points[p][5] > NOWHERE:
                 s, left = self.particles.stress[p], points[p]
-                e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
                 faded = s[0] - share * left[0], s[1] - share * left[1], s[2] - share * left[2], s[3] - share * left[3]
                 self.particles.write("stress", p, admissible(self.law, self.particles, p, faded, e))

@@ -38,6 +38,11 @@ class GudehusBauer:
     REMEMBERS = False
 
     @property
+    def densest(self) -> float:
+        """E_d0: denser without pressure than any packing."""
+        return self.e_d0
+
+    @property
     def loosest(self) -> float:
         """Limit of the void ratio without stress."""
         return self.e_i0

@@ -57,6 +57,11 @@ class Intergranular:
         return self.skeleton.grain_density
 
     @property
+    def densest(self) -> float:
+        """That of the skeleton."""
+        return self.skeleton.densest
+
+    @property
     def loosest(self) -> float:
         """Of the skeleton."""
         return self.skeleton.loosest
