@@ -97,7 +97,7 @@ def test_the_silo_of_the_tutorial_is_possible(tmp_path, monkeypatch, capsys):
         app.main()
     assert not ended.value.code
     possible, cost = capsys.readouterr().out.splitlines()
-    assert possible == "silo.toml is a possible scene: 866 points, 1327 N/m of sand"
+    assert possible == "silo.toml is a possible scene: 3,466 points, 1327 N/m of sand"
     assert re.fullmatch(r"866 points, about [\d,]+ steps: some \d+:\d\d minutes of stepping", cost)
 
 

@@ -99,10 +99,11 @@ def ledge():
     return History(silo, flow=Flow(speed_m_per_s=0.05, displacement_m=0.03))
 
 
-def test_a_ledge_bears_the_sand_above_it_and_all_forces_carry_the_weight(ledge):
+def test_a_ledge_bears_the_sand_above_it_and_what_settles_beside_it_and_all_forces_carry_the_weight(ledge):
+    """The column beside it is twice as high and settles more: it hangs on the sand above the ledge."""
     column = ledge.model.density * 9.81 * 0.08 * 0.18  # over the ledge
     up = np.mean([record.bodies_N_per_m["insert_1"][1] for record in ledge.filling[-10:]])
-    assert 0.6 * column < up < 1.2 * column
+    assert 1.5 * column < up < 2.1 * column
     for record in ledge.filling + ledge.flow:
         assert abs(record.residual_N_per_m) < 1e-9 * ledge.weight
 
