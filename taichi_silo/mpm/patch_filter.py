@@ -15,11 +15,12 @@ subtracts a share of what four passes of 1 - P leave,
 where gamma_p is the path length of the point's strain since the filter's last turn, and m_p = 1 - exp(-(l_p / l)^2),
 l_p being its whole path, grows as the sand forgets. Nothing happens to sand at rest, to a body that only moves, to an
 elastic one, nor, but for parts in a thousand, to sand that is being filled, and the error is of eighth order in the
-cell size. Sand that is as dense as it can be keeps its stress, too: that alone keeps a point from being packed further,
-at the tip of a body or at the edge of an outlet. The filter must not act earlier: beside walls that cut cells, equilibrium of the nodes needs stresses that
-vary from cell to cell. Where they fade, sand strains until it has them again, which makes them fade again: it creeps,
-and in a hopper N after filling is half as large again. With one point a cell it creeps in flow as well, and a scene
-has no filter there (`scene.stress_filter`).
+cell size. Sand that is as dense as it can be keeps its stress, too (`several.room`): that alone keeps a point from
+being packed further, at the tip of a body or at the edge of an outlet.
+
+The filter must not act earlier: where nodes are in equilibrium only with stresses that vary from cell to cell, as
+beside walls that cut cells, sand whose stresses fade strains until it has them again, which makes them fade again: it
+creeps. With one point a cell a scene has no filter there (`scene.stress_filter`).
 
 What P does not know at all fades as exp(-m gamma / STRAIN) whatever the turns; what it half knows fades the more, the
 more turns share a strain, so turns follow each other by the way of the points (`TURN`), whatever the time step.

@@ -25,7 +25,7 @@ def forgetful(monkeypatch):
     monkeypatch.setattr(patch_filter, "FORGETS", 1e-9)
 
 
-def filtered(stress, per_axis=1, strain=LARGE, jitter=0.0, shift=0.0, turns=1, sheared=SHEARED):
+def filtered(stress, per_axis=1, strain=LARGE, jitter=0.0, shift=0.0, turns=1, sheared=SHEARED, packed=()):
     """Stresses before and after turns of the filter, each after a strain, and the places of the points [cells]."""
     runtime.init()
     size = CELLS * CELL
@@ -38,6 +38,7 @@ def filtered(stress, per_axis=1, strain=LARGE, jitter=0.0, shift=0.0, turns=1, s
     given = stress(place / CELL)
     # the elastic law admits any stress; here it forgets, too, because it has been sheared
     volume = (CELL / per_axis) ** 2 * (1.0 + 0.2 * jitter * rng.uniform(-1.0, 1.0, len(place)))
+    volume[list(packed)] *= 0.85
     change(particles, position=place, stress=given, volume=volume, path=np.full(len(place), sheared))
     patch = PatchFilter(particles, grid, Elastic(1e6, 0.0))
     for _ in range(turns):
@@ -65,6 +66,15 @@ def alternating(per_axis, along):
 def linear(place):
     x, y = place.T
     return np.stack([1e3 * x, 2e3 * y - 1e3, 0.0 * x, 500.0 * (x + y)], axis=1)
+
+
+def test_sand_as_dense_as_it_can_be_keeps_its_stress(monkeypatch):
+    """Nothing else would keep it from being packed further."""
+    monkeypatch.setattr(Elastic, "densest", 0.6, raising=False)
+    packed = 2 * CELLS * (2 * CELLS // 2) + CELLS  # e = 0.50; all others have 0.77
+    before, after, _place = filtered(alternating(2, [0, 1]), 2, packed=[packed])
+    assert (after[packed] == before[packed]).all()
+    assert np.abs(after[packed + 1]).max() < 0.1 * np.abs(before[packed + 1]).max()
 
 
 @pytest.mark.parametrize("per_axis, jitter", [(1, 0.0), (2, 0.4)])
