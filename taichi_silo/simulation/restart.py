@@ -40,8 +40,8 @@ def restore(solver: Solver, kept: dict, points: dict[str, np.ndarray], revision:
     for key, array in kept["nodes"].items():
         if (field := getattr(solver.grid, NODAL[key])) is not None:
             put(field, array)
-    for name, array in kept.get("surfaces", {}).items():
-        put(getattr(solver.surfaces, name), array)
+    if "surfaces" in kept:
+        solver.surfaces.restore(**kept["surfaces"])
     if solver.filter.BETWEEN_LAUNCHES and "filter" in kept:
         solver.filter.restore(kept["filter"])
     solver.executor.restore(kept.get("lanes"))

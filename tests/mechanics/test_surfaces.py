@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from taichi_silo.mpm.field_memory import values
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.laws import Elastic
 from taichi_silo.mpm.noise_control import NoiseControl
@@ -157,3 +158,16 @@ def test_sand_that_lands_on_a_wall_gets_back_no_more_than_the_wall_has_stored():
     assert 0.3 < stored[turn] < 1.0
     assert turn <= 3 and stored[-1] == 0.0
     assert 0.2 < moving[-1] <= stored[turn]
+
+
+def test_a_checkpoint_is_taken_over_bit_by_bit_and_one_with_other_weights_gets_those_of_today():
+    particles, grid = block(width=0.6, height=0.2, cell=0.05, box=(3.0, 3.0), origin=(0.6, 2.0))
+    surfaces = (Surface("floor", ((0.6, 1.99), (1.2, 1.99)), Coulomb(20.0)),)
+    body = solver(particles, grid, UniformGimp(0.5), Elastic(2e6, 0.2), surfaces=surfaces)
+    body.advance(50, 1e-4, gravity=(G, G))
+    traction, seen = values(body.surfaces.traction), values(body.surfaces.seen)
+    assert (traction[:, 0] > 0.0).any()
+    body.surfaces.restore(traction, seen)
+    assert (values(body.surfaces.traction) == traction).all()
+    body.surfaces.restore(traction * [1.0, 1.0, 1.0, 7.0], seen)
+    assert values(body.surfaces.traction) == pytest.approx(traction, rel=1e-12)

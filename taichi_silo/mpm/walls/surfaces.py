@@ -33,6 +33,7 @@ PER_CELL = 4  # stations along the edge of a cell
 STIFFNESS = 1.0  # k dt^2 / (rho h): the square of the angle by which sand on the wall swings in a step
 LIGHT = 0.1  # of a full cell's mass, below which a node bears less of the traction
 ON_AXIS = 1e-6  # of a cell: nearer to the axis of a round silo there is no wall
+SAME = 1e-6  # relative difference of shares that is round-off
 LEAST = 0.02  # of the mass of a full cell: less sand around a station, and nothing touches
 
 
@@ -89,6 +90,15 @@ class NoSurfaces:
 
     def take_over(self, other: object) -> None:
         """Nothing to take over."""
+
+    def restore(self, traction: np.ndarray, seen: np.ndarray) -> None:
+        """Go on from a checkpoint; one of version 0.1 has shares of other weights, which are computed anew."""
+        put(self.seen, seen)
+        mass, full = seen[self.patches[:, None] + self.around, 0], values(self.fixed)[:, 4:]
+        total = (self.station_weights * mass / (mass + LIGHT * full)).sum(axis=1)
+        other = (traction[:, 3] > 0.0) & (np.abs(traction[:, 3] * total - 1.0) > SAME)
+        share = np.where(other, 1.0 / np.maximum(total, 1e-300), traction[:, 3])
+        put(self.traction, np.column_stack([traction[:, :3], share]))
 
     def stored_J(self, step_s: float) -> float:
         """No energy."""
