@@ -91,15 +91,6 @@ class NoSurfaces:
     def take_over(self, other: object) -> None:
         """Nothing to take over."""
 
-    def restore(self, traction: np.ndarray, seen: np.ndarray) -> None:
-        """Go on from a checkpoint; one of version 0.1 has shares of other weights, which are computed anew."""
-        put(self.seen, seen)
-        mass, full = seen[self.patches[:, None] + self.around, 0], values(self.fixed)[:, 4:]
-        total = (self.station_weights * mass / (mass + LIGHT * full)).sum(axis=1)
-        other = (traction[:, 3] > 0.0) & (np.abs(traction[:, 3] * total - 1.0) > SAME)
-        share = np.where(other, 1.0 / np.maximum(total, 1e-300), traction[:, 3])
-        put(self.traction, np.column_stack([traction[:, :3], share]))
-
     def stored_J(self, step_s: float) -> float:
         """No energy."""
         return 0.0
@@ -197,6 +188,15 @@ class Surfaces:
         """Press as others, of the same walls, did."""
         put(self.traction, values(other.traction))
         put(self.seen, values(other.seen))
+
+    def restore(self, traction: np.ndarray, seen: np.ndarray) -> None:
+        """Go on from a checkpoint; one of version 0.1 has shares of other weights, which are computed anew."""
+        put(self.seen, seen)
+        mass, full = seen[self.patches[:, None] + self.around, 0], values(self.fixed)[:, 4:]
+        total = (self.station_weights * mass / (mass + LIGHT * full)).sum(axis=1)
+        other = (traction[:, 3] > 0.0) & (np.abs(traction[:, 3] * total - 1.0) > SAME)
+        share = np.where(other, 1.0 / np.maximum(total, 1e-300), traction[:, 3])
+        put(self.traction, np.column_stack([traction[:, :3], share]))
 
     def stored_J(self, step_s: float) -> float:
         """Energy of these springs, (p^2 + tau^2) / 2 k over their area, for steps of so long [J/m, or per radian]."""
