@@ -18,9 +18,9 @@ elastic one, nor, but for parts in a thousand, to sand that is being filled, and
 cell size. Sand that is as dense as it can be keeps its stress, too (`several.room`): that alone keeps a point from
 being packed further, at the tip of a body or at the edge of an outlet.
 
-The filter must not act earlier: where nodes are in equilibrium only with stresses that vary from cell to cell, as
-beside walls that cut cells, sand whose stresses fade strains until it has them again, which makes them fade again: it
-creeps. With one point a cell a scene has no filter there (`scene.stress_filter`).
+The filter must not act earlier. Beside walls that cut cells nodes may need stresses that vary from cell to cell; sand
+that loses them strains until it has them again, loses them again, and creeps. With one point a cell a scene has no
+filter there (`scene.stress_filter`).
 
 What P does not know at all fades as exp(-m gamma / STRAIN) whatever the turns; what it half knows fades the more, the
 more turns share a strain, so turns follow each other by the way of the points (`TURN`), whatever the time step.
@@ -146,9 +146,10 @@ class PatchFilter:
             path = self.particles.path[p]
             forgets = 1.0 - exp_minus((path / FORGETS) ** 2)
             e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
-            share = room(self.law, self.particles, p, e) * (1.0 - exp_minus(forgets * (path - self.path[p]) / STRAIN))
+            share = 1.0 - exp_minus(forgets * (path - self.path[p]) / STRAIN)
             self.path[p] = path
             if points[p][5] > NOWHERE:
                 s, left = self.particles.stress[p], points[p]
+                share *= room(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), e)
                 faded = s[0] - share * left[0], s[1] - share * left[1], s[2] - share * left[2], s[3] - share * left[3]
                 self.particles.write("stress", p, admissible(self.law, self.particles, p, faded, e))

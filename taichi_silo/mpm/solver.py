@@ -30,6 +30,7 @@ from taichi_silo.mpm.walls.friction import AtOnce, Delayed
 from taichi_silo.mpm.walls.outlets import OPENED
 from taichi_silo.mpm.walls.surfaces import NoSurfaces, Surface, Surfaces
 
+SOLID = 0.6  # share of grains in the sand of what inclined walls take for a full cell
 STRESS_UPDATES = ("last", "first", "modified")
 
 
@@ -94,8 +95,9 @@ class Solver:
         self.stress_update = stress_update
         self.stable_fraction = shape.stable_fraction
         if surfaces:
-            density = float(particles.array("mass")[0] / particles.array("volume")[0])
-            self.surfaces = Surfaces(surfaces, grid, density, len(self.walls), self.surroundings.geometry.depth)
+            self.surfaces = Surfaces(
+                surfaces, grid, SOLID * law.grain_density, len(self.walls), self.surroundings.geometry.depth
+            )
         rubs = any(getattr(wall.contact, "coefficient", 0.0) > 0.0 for wall in (*self.walls, *surfaces))
         self.friction: Any = AtOnce()
         if rubs and friction_delay_s != 0.0:

@@ -97,8 +97,7 @@ def cell_size(scene: Scene) -> Part:
         f"height, {narrow / h:.3g} across the outlet."
     )
     if (count := scene.grid.points_per_cell) > 1:
-        cut = ", as walls cut some" if "points_per_cell" in scene.grid.chosen else ""
-        because += f" {count} points in each{cut}."
+        because += f" {count} points in each."
     return Part("cell size", f"{1e3 * h:.6g} mm", because, "--cell-size")
 
 

@@ -15,8 +15,8 @@ def filter_of(scene: "Scene") -> tuple[str, str]:
         return asked, f"As asked for: {asked}."
     if asked == "auto" and count == 1 and silo.cuts_cells:
         return "none", (
-            "Beside walls that cut cells the equilibrium of nodes needs stresses that vary from cell to cell; with one "
-            "point a cell the patch filter would take them and make the sand creep. With four it need not be left out."
+            "Beside walls that cut cells nodes may need stresses that vary from cell to cell; with one point a cell "
+            "the patch filter would take them and make the sand creep. With four points it stays."
         )
     return "patch", (
         f"With {count} point{'s' * (count > 1)} a cell nodes do not feel {3 * count - 2} of {3 * count} patterns of "

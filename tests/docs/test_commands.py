@@ -98,7 +98,7 @@ def test_the_silo_of_the_tutorial_is_possible(tmp_path, monkeypatch, capsys):
     assert not ended.value.code
     possible, cost = capsys.readouterr().out.splitlines()
     assert possible == "silo.toml is a possible scene: 3,466 points, 1327 N/m of sand"
-    assert re.fullmatch(r"866 points, about [\d,]+ steps: some \d+:\d\d minutes of stepping", cost)
+    assert re.fullmatch(r"3,466 points, about [\d,]+ steps: some \d+:\d\d minutes of stepping", cost)
 
 
 def test_the_tutorial_has_its_commands_in_an_order_that_works():

@@ -27,7 +27,7 @@ pytestmark = pytest.mark.usefixtures("bare")
 SMOOTH, ROUGH = Walls(kind="smooth", friction_angle_deg=19.0), Walls(kind="very-rough")
 LOW = Silo(height_m=0.4)
 FLOW, FAST = Flow(speed_m_per_s=0.05, displacement_m=0.002), Flow(speed_m_per_s=0.5, displacement_m=0.16)
-FREE = Flow(outflow="gravity", displacement_m=2.0, longest_s=0.08)
+FREE = Flow(outflow="gravity", displacement_m=2.0, longest_s=0.2)
 BESIDE = Silo(height_m=0.24, outlet=Outlet(width_m=0.12, position="right"))
 HOPPER = Silo(height_m=0.4, hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.1))
 LATER = 3  # records from the checkpoint to the copy
@@ -71,6 +71,7 @@ SCENES = {  # and the moments
     ),
     "hopper": (scene(HOPPER, flow=FAST.model_copy(update={"displacement_m": 0.05})), (half_sunk,)),
     "free outflow": (scene(Silo(height_m=0.2, outlet=Outlet(width_m=0.16)), ROUGH, FREE, 0.02), (sand_has_left,)),
+    "free hopper": (scene(HOPPER, flow=FREE.model_copy(update={"longest_s": 0.5}), cell=0.02), (sand_has_left,)),
     "round": (scene(Silo(height_m=0.4, section="round")), (half_filled,)),
     "layers": (  # each takes four records
         scene(Silo(height_m=0.4, half="no"), ROUGH, filling=Filling(kind="layers", layers=4)), (half_filled,),
@@ -83,7 +84,7 @@ SCENES = {  # and the moments
 }  # fmt: skip
 OFTEN = {  # name, threads, lanes; the others with `make test-long`
     ("very rough walls", 2, True), ("half of smooth walls", 1, True),
-    ("rain, affine", 1, False),
+    ("rain, affine", 1, False), ("free hopper", 1, True),
 }  # fmt: skip
 CASES = [
     pytest.param(
@@ -155,7 +156,7 @@ def test_the_film_of_a_run_that_was_stopped_and_killed_has_every_frame_once(tmp_
     stopped = tmp_path / "stopped"
     with pytest.raises(Stopped, match=r"stopped at t = 0\.\d+ s \(filling, u = 0\.000 mm\); `taichi-silo resume"):
         run(one, stopped, extra=(At(40, send()),))
-    assert len(frames(stopped / "void_ratio.mp4")[0]) > 2, "what there is can be seen"
+    assert not (stopped / "void_ratio.mp4").exists(), "a run that is stopped ends at once"
     resume(stopped)
     times, pictures = frames(tmp_path / "whole" / "void_ratio.mp4")
     assert times == list(range(len(times))) and len(times) > 15

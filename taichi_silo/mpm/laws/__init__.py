@@ -23,8 +23,8 @@ The contract of a law, a frozen dataclass (so that equal laws share one compiled
     [kg/m3].
 `loosest`
     the greatest void ratio that a point is given; sand that separates further keeps it.
-`densest`
-    a void ratio that no packing goes below, near which the patch filter leaves stresses alone; none, if absent.
+`room(stress, void_ratio)`
+    from 0, as dense as it can be, to 1: the share of its work that the patch filter does (ti.func); 1, if absent.
 `REMEMBERS`
     whether the points carry a tensor h of past strain for it. If so, also `radius` (the bound of |h|),
     `memory_rate(h, D)`, its Jaumann rate, and `bounded_memory(h)`, h pulled back to its bound.

@@ -16,6 +16,9 @@ from taichi_silo.mpm.tensors import added, chosen, inner, largest_principal, pre
 SQRT6 = math.sqrt(6.0)
 
 
+ROOMY = 0.4  # density factor f_d from which sand is far from as dense as it can be
+
+
 @frozen
 class GudehusBauer:
     """Karlsruhe sand of the paper unless told otherwise.
@@ -36,11 +39,6 @@ class GudehusBauer:
     rest_stress: float = 1.0
 
     REMEMBERS = False
-
-    @property
-    def densest(self) -> float:
-        """E_d0: denser without pressure than any packing."""
-        return self.e_d0
 
     @property
     def loosest(self) -> float:
@@ -159,6 +157,11 @@ class GudehusBauer:
             resting = shifted((zero, zero, zero, zero), zero - self.rest_stress)
             s0, s1, s2, s3 = chosen(separated > 0.0, resting, drawn)
         return s0, s1, s2, s3
+
+    @ti.func
+    def room(self, stress, void_ratio):
+        """How far sand is from being as dense as it can be under its pressure: f_d / ROOMY, at most 1."""
+        return ti.min(1.0, self.factors(stress, void_ratio)[1] * (1.0 / ROOMY))
 
     @ti.func
     def stiffness(self, stress, void_ratio):

@@ -57,11 +57,6 @@ class Intergranular:
         return self.skeleton.grain_density
 
     @property
-    def densest(self) -> float:
-        """That of the skeleton."""
-        return self.skeleton.densest
-
-    @property
     def loosest(self) -> float:
         """Of the skeleton."""
         return self.skeleton.loosest
@@ -130,6 +125,11 @@ class Intergranular:
     def admissible(self, stress, void_ratio):
         """As the skeleton says."""
         return self.skeleton.admissible(stress, void_ratio)
+
+    @ti.func
+    def room(self, stress, void_ratio):
+        """That of the skeleton."""
+        return self.skeleton.room(stress, void_ratio)
 
     @ti.func
     def stiffness(self, stress, void_ratio):

@@ -6,8 +6,6 @@ from taichi_silo.mpm.laws import integrate
 from taichi_silo.mpm.simd.lane_maths import greatest
 from taichi_silo.mpm.tensors import chosen
 
-NEAR = 0.03  # of the densest void ratio: so much above it sand has all the room it wants
-
 
 @frozen
 class Several:
@@ -122,13 +120,12 @@ def loosest(law: ti.template(), points: ti.template(), p, void_ratio):
 
 
 @ti.func
-def room(law: ti.template(), points: ti.template(), p, void_ratio):
-    """How far the sand is from being as dense as it can be: 0 there and beyond, 1 from NEAR of that void ratio on."""
+def room(law: ti.template(), points: ti.template(), p, stress, void_ratio):
+    """As `law.room`; 1 for laws without it."""
     found = 0.0 * void_ratio + 1.0
     for n, one in ti.static(enumerate(laws_of(law))):
-        densest = ti.static(getattr(one, "densest", 0.0))
-        if ti.static(densest > 0.0):
-            left = ti.max(0.0, ti.min(1.0, (void_ratio / densest - 1.0) * ti.static(1.0 / NEAR)))
+        if ti.static(hasattr(one, "room")):
+            left = one.room(stress, void_ratio)
             if ti.static(are_several(law)):
                 found = ti.select(share(points, p, n) > 0.0, left, found)
             else:

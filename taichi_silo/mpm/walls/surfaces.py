@@ -11,9 +11,11 @@ there; M is the mass of a full cell. A uniform stress in the sand and its tracti
 equilibrium; that takes S_i(x) itself. So all nodes weigh alike, but for those with less than a tenth of a full mass,
 which the traction would throw about. (With weights in proportion to m_i the sand between the wall and the middle of
 its cells is held by nobody and yields like a soft layer: the lid of a hopper bears up to half as much again, and
-a filter of the stresses makes sand creep.) The stiffness k = STIFFNESS rho h / dt^2 follows from the step, so that it
-limits it no further; the wall gives way like a layer of sand of a sixth of a cell. Balance is exact: what nodes get is
-what is booked. The grid must stand still.
+a filter of the stresses makes sand creep.)
+
+The stiffness k = STIFFNESS rho h / dt^2 follows from the step and does not limit it; the wall gives way like a layer
+of sand of a sixth of a cell (automatic step, four points a cell). Balance is exact: what nodes get is what is booked.
+The grid must stand still.
 """
 
 import math
