@@ -19,8 +19,8 @@ cell size. Sand that is as dense as it can be keeps its stress, too (`several.ro
 being packed further, at the tip of a body or at the edge of an outlet.
 
 The filter must not act earlier. Beside walls that cut cells nodes may need stresses that vary from cell to cell; sand
-that loses them strains until it has them again, loses them again, and creeps. With one point a cell a scene has no
-filter there (`scene.stress_filter`).
+that loses them strains until it has them again, loses them again, and creeps. Around inserts, and with one point a
+cell, a scene has no filter (`scene.stress_filter`).
 
 What P does not know at all fades as exp(-m gamma / STRAIN) whatever the turns; what it half knows fades the more, the
 more turns share a strain, so turns follow each other by the way of the points (`TURN`), whatever the time step.

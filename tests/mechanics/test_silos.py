@@ -297,10 +297,10 @@ def test_beside_inclined_walls_the_filter_of_four_points_changes_neither_the_res
     [
         (Silo(), 1, "patch"), (Silo(hopper=HOPPER), 1, "none"), (Silo(hopper=HOPPER), 4, "patch"),
         (SILOS["roof"][0], 1, "none"), (BUNKER.model_copy(update={"inserts": ()}), 1, "none"),
-        (SILOS["roof"][0], 4, "patch"),
+        (BUNKER.model_copy(update={"inserts": ()}), 4, "patch"), (SILOS["roof"][0], 4, "none"),
     ],
 )  # fmt: skip
-def test_beside_walls_that_cut_cells_one_point_a_cell_has_no_filter(silo, points, name):
+def test_there_is_no_filter_around_inserts_nor_with_one_point_a_cell_beside_walls_that_cut_cells(silo, points, name):
     scene = Scene(silo=silo, walls=SMOOTH, grid=Mesh(cell_size_m=0.02, points_per_cell=points))
     assert filter_of(scene)[0] == name
     assert filter_of(scene.model_copy(update={"method": Method(stress_filter="patch")}))[0] == "patch"
