@@ -18,6 +18,7 @@ from taichi_silo.scene.dotted_paths import changed, default, known, value, whole
 from taichi_silo.show.figures import plot_response
 from taichi_silo.show.figures.batch import COLORS, batch_figure
 from taichi_silo.show.figures.response import label, response_figure
+from taichi_silo.studies.sweep import variations
 from taichi_silo.studies.sweep.clusters import Local, Scheduler, Slurm
 from taichi_silo.studies.sweep.hypercube import Choices, LatinHypercube, Span
 from taichi_silo.studies.sweep.plan import from_command_line, from_flags, from_tables, read
@@ -132,6 +133,16 @@ def test_a_sand_by_name_brings_its_constants_and_default_is_what_is_not_given():
     assert {scene.sand.void_ratio for scene in found.values()} == {0.7}
     found = made("walls.kind=smooth", "walls.friction_angle_deg=19,15")
     assert [scene.walls.friction_angle_deg for scene in found.values()] == [19.0, 15.0]
+
+
+def test_the_default_of_what_follows_the_silo_is_what_follows_from_it():
+    hopper = {"half_angle_deg": 20.0, "outlet_width_m": 0.08}
+    base = Scene.model_validate({"silo": {"hopper": hopper}, "grid": {"points_per_cell": 9, "cell_size_m": 0.01}})
+    found = variations.made(base, {"grid.points_per_cell": "default"}).grid
+    assert (found.points_per_cell, found.cell_size_m) == (4, 0.01)
+    wide = Scene.model_validate({"silo": {"width_m": 6.0, "height_m": 20.0}, "flow": {"speed_m_per_s": 0.5}})
+    untold = Scene.model_validate({"silo": {"width_m": 6.0, "height_m": 20.0}})
+    assert variations.made(wide, {"flow.speed_m_per_s": "default"}).flow == untold.flow
 
 
 def test_the_friction_angle_of_smooth_walls_is_left_out_where_walls_are_very_rough():

@@ -157,19 +157,39 @@ def made(base: Scene, setting: dict, start: str = "") -> Scene:
     Raises BadInput if they are not possible; it tells all of them, after the name `start`.
     """
     try:
-        rest = {path: value if value != DEFAULT else default(path) for path, value in setting.items() if path != SAND}
+        following = {path for path, value in setting.items() if value == DEFAULT and _follows(base, path)}
+        rest = {
+            path: value if value != DEFAULT else default(path)
+            for path, value in setting.items() if path != SAND and path not in following
+        }  # fmt: skip
         if SAND in setting:
             own = sands.sand(setting[SAND], _number(rest.get("sand.void_ratio", base.sand.void_ratio)),
                              law=base.sand.law, intergranular=base.sand.intergranular)  # fmt: skip
             base = base.model_copy(update={"sand": own})
         if rest.get("walls.kind") == "very-rough":  # a friction angle that is there is for the smooth walls of others
             rest["walls.friction_angle_deg"] = None
-        return changed(base, rest)
+        return changed(_untold(base, following), rest)
     except (ValidationError, ValueError) as error:
         sentence = one_sentence(error) if isinstance(error, ValidationError) else str(error)
         given = (f"{path}={as_word(value)}" for path, value in setting.items())
         where = " ".join([*([start] if start else []), *given])
         raise BadInput(f"{where}: {sentence}" if where else sentence) from error
+
+
+def _follows(scene: Scene, path: str) -> bool:
+    """Whether what stands at a path follows the silo where it is not told."""
+    table, _, name = path.partition(".")
+    return table in ("grid", "flow") and name in type(getattr(scene, table))().chosen
+
+
+def _untold(scene: Scene, paths: set[str]) -> Scene:
+    """The scene as if nothing had been told at some paths."""
+    for path in paths:
+        table, _, name = path.partition(".")
+        part = getattr(scene, table).model_copy()
+        part.__pydantic_fields_set__.discard(name)
+        scene = scene.model_copy(update={table: part})
+    return scene
 
 
 def _number(word: str | float) -> float:
