@@ -145,11 +145,11 @@ class PatchFilter:
                 continue
             path = self.particles.path[p]
             forgets = 1.0 - exp_minus((path / FORGETS) ** 2)
-            e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
             share = 1.0 - exp_minus(forgets * (path - self.path[p]) / STRAIN)
             self.path[p] = path
             if points[p][5] > NOWHERE:
                 s, left = self.particles.stress[p], points[p]
+                e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
                 share *= room(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), e)
                 faded = s[0] - share * left[0], s[1] - share * left[1], s[2] - share * left[2], s[3] - share * left[3]
                 self.particles.write("stress", p, admissible(self.law, self.particles, p, faded, e))

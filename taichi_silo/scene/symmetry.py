@@ -73,7 +73,7 @@ def _obstacle(scene: "Scene") -> str:
         return "several outlets, or one of a side wall or that opens later, are computed whole"
     if silo.outlets and silo.outlets[0].position != "centre":
         return f"the outlet's position is {silo.outlets[0].position}"
-    if silo.hopper is not None or silo.outline_m is not None or silo.inserts:
+    if silo.cuts_cells:
         return "hoppers, outlines and inserts are computed whole"
     if not bands.alike(scene.walls):
         return f"the walls are not alike ({bands.words(scene.walls)})"

@@ -151,8 +151,8 @@ class Surfaces:
         put(self.weight, weight)
         self.traction = ti.field(real, shape=(self.count, 4))
         self.seen = ti.field(real, shape=(grid.nodes, 3))
-        self.around = np.array([b * grid.columns + a for b in range(3) for a in range(3)])
-        nodes = patch[:, None] + self.around
+        nodes = patch[:, None] + np.array([b * grid.columns + a for b in range(3) for a in range(3)])
+        self.nodes = nodes
         given = weight * (area * away)[:, None]
         station = np.repeat(np.arange(self.count), 9)
         sort = np.argsort(nodes.ravel(), kind="stable")
@@ -194,7 +194,7 @@ class Surfaces:
     def restore(self, traction: np.ndarray, seen: np.ndarray) -> None:
         """Go on from a checkpoint; one of version 0.1 has shares of other weights, which are computed anew."""
         put(self.seen, seen)
-        mass, full = seen[self.patches[:, None] + self.around, 0], values(self.fixed)[:, 4:]
+        mass, full = seen[self.nodes, 0], values(self.fixed)[:, 4:]
         total = (self.station_weights * mass / (mass + LIGHT * full)).sum(axis=1)
         other = (traction[:, 3] > 0.0) & (np.abs(traction[:, 3] * total - 1.0) > SAME)
         share = np.where(other, 1.0 / np.maximum(total, 1e-300), traction[:, 3])
@@ -204,8 +204,7 @@ class Surfaces:
         """Energy of these springs, (p^2 + tau^2) / 2 k over their area, for steps of so long [J/m, or per radian]."""
         p, tau, _, share = values(self.traction).T
         area, full = values(self.fixed)[:, (2, 4)].T
-        nodes = self.patches[:, None] + self.around
-        mass = (self.station_weights * values(self.seen)[nodes, 0]).sum(axis=1)
+        mass = (self.station_weights * values(self.seen)[self.nodes, 0]).sum(axis=1)
         density = self.density * np.maximum(mass / full, LEAST)
         stiffness = STIFFNESS * density * self.grid.cell_size / step_s**2
         return float(((share > 0.0) * area * (p**2 + tau**2) / (2.0 * stiffness)).sum())
