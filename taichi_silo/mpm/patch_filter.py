@@ -16,11 +16,12 @@ where gamma_p is the path length of the point's strain since the filter's last t
 l_p being its whole path, grows as the sand forgets. Nothing happens to sand at rest, to a body that only moves, to an
 elastic one, nor, but for parts in a thousand, to sand that is being filled, and the error is of eighth order in the
 cell size. Sand that is as dense as it can be keeps its stress, too (`several.room`): that alone keeps a point from
-being packed further, at the tip of a body or at the edge of an outlet.
+being packed further, at the edge of an outlet.
 
-The filter must not act earlier. Beside walls that cut cells nodes may need stresses that vary from cell to cell; sand
-that loses them strains until it has them again, loses them again, and creeps. Around inserts, and with one point a
-cell, a scene has no filter (`scene.stress_filter`).
+Neither must the filter act earlier, nor close to a body inside the sand. At the body's corners, and beside walls that
+cut cells if there is one point a cell, nodes need stresses that vary from cell to cell; sand that loses them strains
+until it has them again, loses them again, and creeps. So sand beside a body is spared, and with one point a cell such
+a scene has no filter (`scene.stress_filter`).
 
 What P does not know at all fades as exp(-m gamma / STRAIN) whatever the turns; what it half knows fades the more, the
 more turns share a strain, so turns follow each other by the way of the points (`TURN`), whatever the time step.
@@ -33,7 +34,7 @@ import numpy as np
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import Barrier, Phase
 from taichi_silo.mpm.field_memory import present, put, values
-from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws.several import admissible, room
 from taichi_silo.mpm.particles import Particles
@@ -46,6 +47,7 @@ STRAIN = 3e-4  # over which a pattern falls to 1 / e
 FORGETS = 0.02  # l: path of the strain, over which sand forgets its stress
 TURN = 3e-3  # of a cell: way of the fastest point between two turns of the filter
 MOST_STEPS = 2000  # between them
+BESIDE = 2.0  # cells from a body, within which sand keeps its stress; from one more on the filter acts in full
 FINITE = 1e30  # a larger stress [Pa] is none
 
 
@@ -57,18 +59,34 @@ class PatchFilter:
     ----------
     particles, grid, law : of the solver.
     mirrored : whether the grid's last column before its margin is an axis of symmetry (see `mirrored_solver`).
+    bodies : places on the surfaces of bodies inside the sand (n, 2) [m], on a grid that stands still.
 
     """
 
     ACTIVE = True
     BETWEEN_LAUNCHES = True
 
-    def __init__(self, particles: Particles, grid: Grid, law: Law, mirrored: bool = False):
+    def __init__(
+        self, particles: Particles, grid: Grid, law: Law, mirrored: bool = False, bodies: np.ndarray | None = None
+    ):
+        self.acts: Any = None  # at a node: how much, from 0 to 1
+        if bodies is not None:
+            self.acts = ti.field(real, shape=grid.nodes)
+            put(self.acts, self._away(grid, bodies))
         self.particles, self.grid, self.law = particles, grid, law
         self.path = ti.field(real, shape=particles.count)  # of the strain at the last turn
         self.ACTIVE = self.BETWEEN_LAUNCHES = getattr(law, "FORGETS", True)
         self.revision, self.way, self.steps = -1, 0.0, 0  # of the points; way [cells] and steps since the last turn
         self.passes = PatchPasses(particles, grid, mirrored)
+
+    @staticmethod
+    def _away(grid: Grid, bodies: np.ndarray) -> np.ndarray:
+        from scipy.spatial import cKDTree  # a tenth of a second, for which scenes without bodies need not wait
+
+        column, row = np.arange(grid.nodes) % grid.columns - MARGIN, np.arange(grid.nodes) // grid.columns - MARGIN
+        size = grid.cell_size, grid.first_cell_height
+        cells, _nearest = cKDTree(bodies / size).query(np.column_stack([column, row]))
+        return np.clip(cells - BESIDE, 0.0, 1.0)
 
     def borrow(self, layout: Any, barrier: Barrier, *arrays: ti.Ndarray) -> None:
         """Work on the vector unit's arrays (points, sums, nodal), which keep nothing between launches; sums are 0.
@@ -150,6 +168,14 @@ class PatchFilter:
             if points[p][5] > NOWHERE:
                 s, left = self.particles.stress[p], points[p]
                 e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
+                if ti.static(self.acts):
+                    share *= self.acts[self._nearest_node(points[p][4], points[p][5])]
                 share *= room(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), e)
                 faded = s[0] - share * left[0], s[1] - share * left[1], s[2] - share * left[2], s[3] - share * left[3]
                 self.particles.write("stress", p, admissible(self.law, self.particles, p, faded, e))
+
+    @ti.func
+    def _nearest_node(self, x, y):
+        """Number of the node nearest to a place [cells]."""
+        i, j = ti.cast(ti.floor(x + 0.5), ti.i32) + MARGIN, ti.cast(ti.floor(y + 0.5), ti.i32) + MARGIN
+        return self.grid.node(ti.max(0, ti.min(i, self.grid.columns - 1)), ti.max(0, ti.min(j, self.grid.rows - 1)))

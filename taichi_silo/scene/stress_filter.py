@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from taichi_silo.mpm.patch_filter import STRAIN
+from taichi_silo.mpm.patch_filter import BESIDE, STRAIN
 
 if TYPE_CHECKING:
     from taichi_silo.scene.scene import Scene
@@ -13,11 +13,6 @@ def filter_of(scene: "Scene") -> tuple[str, str]:
     asked, count, silo = scene.method.stress_filter, scene.grid.points_per_cell, scene.silo
     if asked not in ("auto", "patch"):
         return asked, f"As asked for: {asked}."
-    if asked == "auto" and silo.inserts:
-        return "none", (
-            "Around bodies inside it, sand whose stresses the patch filter takes creeps: N after filling was a quarter "
-            "too high. Without it, stresses of neighbouring points part where sand is sheared."
-        )
     if asked == "auto" and count == 1 and silo.cuts_cells:
         return "none", (
             "Beside walls that cut cells nodes may need stresses that vary from cell to cell; with one point a cell "
@@ -27,4 +22,6 @@ def filter_of(scene: "Scene") -> tuple[str, str]:
         f"With {count} point{'s' * (count > 1)} a cell nodes do not feel {3 * count - 2} of {3 * count} patterns of "
         f"stress, and sheared sand holds none of them; those that vary from point to point fade over {STRAIN:g} of "
         "strain."
+        + f" Within {BESIDE:g} cells of a body inside, where sand would creep without them, they stay."
+        * bool(silo.inserts)
     )

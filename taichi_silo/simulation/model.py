@@ -2,10 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from taichi_silo.mpm.contracts import Law, Shape, Wall
+from taichi_silo.mpm.contracts import Filter, Law, Shape, Wall
 from taichi_silo.mpm.filters import FILTERS
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
@@ -13,6 +14,7 @@ from taichi_silo.mpm.mirrored_solver import MirroredSolver
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import NonLocal
 from taichi_silo.mpm.particles import Particles
+from taichi_silo.mpm.patch_filter import PatchFilter
 from taichi_silo.mpm.solver import Solver
 from taichi_silo.mpm.walls import Gates, Surface
 from taichi_silo.scene.outlets import Opening
@@ -92,5 +94,12 @@ class Model:
             surroundings=Surroundings(self.section.geometry), surfaces=self.surfaces,
             friction_delay_s=0.0,  # what that is against, sand and the noise control's drag damp in a silo
             simd=None if self.scene.machine.lanes else False,
-            **self.scene.method.solver_options() | {"filtering": FILTERS[filter_of(self.scene)[0]]},
+            **self.scene.method.solver_options() | {"filtering": self._filtering()},
         )  # fmt: skip
+
+    def _filtering(self) -> Filter | None:
+        """The class of the filter; the patch filter knows the bodies inside the sand."""
+        filtering, bodies = FILTERS[filter_of(self.scene)[0]], self.surfaces[-len(self.scene.silo.inserts) :]
+        if filtering is not PatchFilter or not self.scene.silo.inserts:
+            return filtering
+        return partial(PatchFilter, bodies=np.concatenate([one.stations(self.grid.cell_size)[0] for one in bodies]))

@@ -26,7 +26,8 @@ def forgetful(monkeypatch):
     monkeypatch.setattr(patch_filter, "FORGETS", 1e-9)
 
 
-def filtered(stress, per_axis=1, strain=LARGE, jitter=0.0, shift=0.0, turns=1, sheared=SHEARED, packed=(), law=Elastic):
+def filtered(stress, per_axis=1, strain=LARGE, jitter=0.0, shift=0.0, turns=1, sheared=SHEARED, packed=(), law=Elastic,
+             bodies=None):  # fmt: skip
     """Stresses before and after turns of the filter, each after a strain, and the places of the points [cells]."""
     runtime.init()
     size = CELLS * CELL
@@ -41,7 +42,7 @@ def filtered(stress, per_axis=1, strain=LARGE, jitter=0.0, shift=0.0, turns=1, s
     volume = (CELL / per_axis) ** 2 * (1.0 + 0.2 * jitter * rng.uniform(-1.0, 1.0, len(place)))
     volume[list(packed)] *= 0.85
     change(particles, position=place, stress=given, volume=volume, path=np.full(len(place), sheared))
-    patch = PatchFilter(particles, grid, law(1e6, 0.0))
+    patch = PatchFilter(particles, grid, law(1e6, 0.0), bodies=bodies)
     for _ in range(turns):
         patch.begin()
         particles.path.from_numpy(particles.path.to_numpy() + strain)
@@ -83,6 +84,16 @@ def test_sand_as_dense_as_it_can_be_keeps_its_stress():
     before, after, _place = filtered(alternating(2, [0, 1]), 2, packed=[packed], law=Packing)
     assert (after[packed] == before[packed]).all()
     assert np.abs(after[packed + 1]).max() < 0.1 * np.abs(before[packed + 1]).max()
+
+
+def test_sand_within_two_cells_of_a_body_keeps_its_stress():
+    """There nodes may need what varies from cell to cell; from three and a half cells on it fades."""
+    body = CELL * np.array([[8.0, y] for y in np.arange(6.0, 10.25, 0.25)])
+    before, after, place = filtered(alternating(2, [0, 1]), 2, bodies=body)
+    away = np.linalg.norm(place[:, None] - body / CELL, axis=2).min(axis=1)
+    close, far = away < 1.2, inner(place) & (away > 3.8)
+    assert close.sum() > 40 and (after[close] == before[close]).all()
+    assert np.abs(after[far]).max() < 0.02 * np.abs(before[far]).max()
 
 
 @pytest.mark.parametrize("per_axis, jitter", [(1, 0.0), (2, 0.4)])
