@@ -62,7 +62,9 @@ def write(file: Path, points: dict[str, np.ndarray]) -> None:
     write_pieces(file, tuple(points), lambda field: [points[field]])
 
 
-def write_pieces(file: Path, fields: tuple[str, ...], pieces: Callable[[str], Iterable[np.ndarray]]) -> None:
+def write_pieces(
+    file: Path, fields: tuple[str, ...], pieces: Callable[[str], Iterable[np.ndarray]], synced: bool = True
+) -> None:
     """As `write`, from the names of the fields of the points and what gives each field in pieces: no copy of all."""
     sound = np.array(True)
     for field in fields:
@@ -78,7 +80,7 @@ def write_pieces(file: Path, fields: tuple[str, ...], pieces: Callable[[str], It
     arrays = {name: functools.partial(kept, *how) for name, how in ARRAYS.items()}
     places = functools.partial(kept, "position", vtu.spatial, np.float64)
     units = {name: unit_of(name) for name in ARRAYS}
-    vtu.write_pieces(file, int(sound.sum()), places, arrays, units, COMPONENTS)
+    vtu.write_pieces(file, int(sound.sum()), places, arrays, units, COMPONENTS, synced)
 
 
 def read(file: Path) -> dict[str, np.ndarray]:

@@ -19,26 +19,28 @@ def sync(file: Path) -> None:
         os.close(handle)
 
 
-def put(temporary: Path, file: Path, previous: Path | None = None) -> None:
+def put(temporary: Path, file: Path, previous: Path | None = None, synced: bool = True) -> None:
     """Rename a finished file to its name; a file of that name is renamed to `previous`, or replaced."""
-    sync(temporary)
+    if synced:
+        sync(temporary)
     if previous is not None and file.exists():
         file.replace(previous)
     temporary.replace(file)
-    sync(file.parent)
+    if synced:
+        sync(file.parent)
 
 
 @contextlib.contextmanager
-def written(file: Path, previous: Path | None = None) -> Iterator[Path]:
+def written(file: Path, previous: Path | None = None, synced: bool = True) -> Iterator[Path]:
     """A temporary name to write a file under; it is renamed at the end of the block, or removed after an error.
 
-    A file that had the name before is renamed to `previous`, or replaced. Raises OSError, which names the file, if it
-    cannot be written.
+    A file that had the name before is renamed to `previous`, or replaced. One that need not be `synced` outlives the
+    program, but not yet the machine. Raises OSError, which names the file, if it cannot be written.
     """
     passing = file.absolute().with_name(f"{file.name}.part")  # pandas reads a relative "run:1/..." as an address
     try:
         yield passing
-        put(passing, file, previous)
+        put(passing, file, previous, synced)
     except OSError as error:
         raise of_file(error, file) from error
     finally:

@@ -50,9 +50,9 @@ def write(
 
 def write_pieces(
     file: Path, count: int, places: Pieces, arrays: Mapping[str, Pieces], units: dict[str, str] | None = None,
-    components: Mapping[str, Sequence[str]] | None = None,
+    components: Mapping[str, Sequence[str]] | None = None, synced: bool = True,
 ) -> None:  # fmt: skip
-    """As `write`, from arrays of `count` rows, of which only pieces are there at a time."""
+    """As `write`, from arrays of `count` rows, of which only pieces are there at a time (synced: see `put`)."""
     units, components = {"Points": "m"} | (units or {}), components or {}
     index = np.arange(count, dtype=np.int32)
     cells = {
@@ -65,7 +65,7 @@ def write_pieces(
         'header_type="UInt32" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>'
         f'<Piece NumberOfPoints="{count}" NumberOfCells="{count}">\n'
     )
-    with atomic_write.written(file) as passing, open(passing, "wb") as stream:
+    with atomic_write.written(file, synced=synced) as passing, open(passing, "wb") as stream:
         stream.write(head.encode())
         for block, found in blocks.items():
             stream.write(f"<{block}>".encode())

@@ -25,7 +25,7 @@ def photographed(folder, monkeypatch):
         ("checkpoint.npz", "previous", 2): "between the two names of a checkpoint",
         ("checkpoint.npz.part", "sync", 1): "before the first checkpoint has its name",
         ("checkpoint.npz.part", "sync", 3): "before the last checkpoint has its name",
-        ("index.csv.part", "sync", 8): "with a snapshot that is not listed",
+        ("index.csv.part", "name", 8): "with a snapshot that is not listed",
         ("summary.json.part", "sync", 1): "before the summary has its name",
         ("run.toml.part", "sync", 2): "before the end is noted",
     }
@@ -37,6 +37,8 @@ def photographed(folder, monkeypatch):
             copies[name] = shutil.copytree(folder, folder.with_name(name))
 
     def replaced(file, target):
+        if target.name == "index.csv":
+            seen(file, "name")
         replace(file, target)
         if target.name == checkpoint.PREVIOUS:
             seen(file, "previous")

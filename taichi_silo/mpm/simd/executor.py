@@ -61,6 +61,7 @@ class Simd(Executor):
         filtering.borrow(self.layout, self.loop.barrier, self.points, self.sums, self.nodal)
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.strips = 2  # that the points are cut into
+        self.alike: tuple[np.ndarray, ...] = ()  # pairs of strips of the same half, the lower ones and the others
         # rows of cells between points of strips with the same sums: no common node, and a row that either may move
         reach = math.ceil(averaging.reach_m / min(grid.cell_size, grid.first_cell_height))
         self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), reach) + 2
@@ -161,10 +162,11 @@ class Simd(Executor):
 
     def _crowded(self) -> bool:
         """Whether strips with the same sums have come closer than a row of nodes and the gap."""
-        low, high = values(self.layout.reach)[:, :2].T
-        half, holds = values(self.layout.half), low < high
-        alike = np.triu(half[:, None] == half, 1) & holds[:, None] & holds
-        return bool((alike & (low <= high[:, None] + self.gap)).any())
+        reach = present(self.layout.reach)
+        low, high = reach[:, 0], reach[:, 1]
+        holds = low < high
+        before, after = self.alike
+        return bool((holds[before] & holds[after] & (low[after] <= high[before] + self.gap)).any())
 
     def _cut(self, count: int) -> None:
         """Cut the points into so many strips, a power of 2; the others are empty."""
@@ -172,7 +174,9 @@ class Simd(Executor):
         bounds, every = self._bounds(count), STRIPS // count
         slots = np.arange(STRIPS + 1)
         put(self.layout.first, bounds[-(-slots // every)])
-        put(self.layout.half, slots[:-1] // every % HALVES)
+        half = slots[:-1] // every % HALVES
+        put(self.layout.half, half)
+        self.alike = np.nonzero(np.triu(half[:, None] == half, 1))
 
     @ti.kernel
     def _load(self, points: arrays_of_eight, nodal: arrays_of_eight):

@@ -14,6 +14,8 @@ OF_FILLING = 0.1  # as many of the filling as of the flow, times this
 class Snapshots(Observer):
     """`snapshots/*.vtu`, and `snapshots/index.csv` and `silo.pvd` that list them.
 
+    They are brought to the disk with the next checkpoint: a run that goes on from one writes what came later anew.
+
     Parameters
     ----------
     folder : of the run.
@@ -27,6 +29,7 @@ class Snapshots(Observer):
     def __init__(self, folder: Path, displacements_m, between: int = 0):
         self.folder, self.between = folder / "snapshots", between
         self.wanted = sorted(displacements_m)
+        self.unsynced: set[Path] = set()
 
     def begin(self, simulation) -> None:
         """Write the unstressed fill."""
@@ -40,7 +43,7 @@ class Snapshots(Observer):
 
     def state(self) -> dict:
         """What is written, and what is still wanted."""
-        atomic_write.sync(self.folder)
+        self._sync()
         return {"rows": self.rows, "wanted": self.wanted, "due": self.due}
 
     def restore(self, simulation, kept: dict) -> None:
@@ -83,11 +86,19 @@ class Snapshots(Observer):
         named = [row for row in self.rows if not row["file"].startswith(snapshot.BETWEEN)]
         if self.simulation.clock.steps > 0 and named[-1]["time_s"] != self.simulation.time:
             self._write("end")
+        self._sync()
+
+    def _sync(self) -> None:
+        for file in self.unsynced:
+            atomic_write.sync(file)
+        atomic_write.sync(self.folder)
+        self.unsynced.clear()
 
     def _write(self, name: str) -> None:
         simulation = self.simulation
         file = self.folder / f"{name}.vtu"
-        snapshot.write_pieces(file, simulation.names_of_points, simulation.pieces)
+        snapshot.write_pieces(file, simulation.names_of_points, simulation.pieces, synced=False)
+        self.unsynced.add(file)
         self.rows.append(
             {
                 "file": file.name,
@@ -100,15 +111,17 @@ class Snapshots(Observer):
 
     def _list(self) -> None:
         """Write both lists of what there is."""
+        index, collection = self.folder / "index.csv", self.folder / "silo.pvd"
+        self.unsynced |= {index, collection}
         with (
-            atomic_write.written(self.folder / "index.csv") as passing,
+            atomic_write.written(index, synced=False) as passing,
             open(passing, "w", newline="", encoding="utf-8") as stream,
         ):
             writer = csv.DictWriter(stream, self.rows[0])
             writer.writeheader()
             writer.writerows(self.rows)
         entries = "".join(f'<DataSet timestep="{row["time_s"]:.9g}" file="{row["file"]}"/>\n' for row in self.rows)
-        with atomic_write.written(self.folder / "silo.pvd") as passing:
+        with atomic_write.written(collection, synced=False) as passing:
             passing.write_text(
                 '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"><Collection>\n'
                 f"{entries}</Collection></VTKFile>\n",
