@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 ACROSS = 40  # cells across a silo, where nobody says how many
 USUAL = (20, 80)  # cells across, between which a default size stays if it fits
 TEN = 10  # fewest along the height, and fewest that should cross an opening (`known_limits.py`)
+WIDE_OUTLET = 16  # cells, from which on one point in each does: the grid's dead edge is a tenth of the width then
 RANGE = 4.0  # how many times more or fewer cells than wanted may be taken to fit
 NAMED, DIGITS = 3, 4  # sizes in a sentence, and the digits that it takes readily
 FOR_SQUARES = 1.5  # times more or fewer cells are taken for square ones
@@ -49,6 +50,11 @@ def opening_m(silo: "Silo") -> float:
 def narrowest_m(silo: "Silo") -> float:
     """Width of the narrowest outlet [m]."""
     return min(one.width for one in silo.openings)
+
+
+def narrow_outlet(silo: "Silo", cell_m: float) -> bool:
+    """Whether the narrowest outlet is so few cells wide that with one point in each far too little sand falls out."""
+    return narrowest_m(silo) < WIDE_OUTLET * cell_m * (1.0 - 1e-9)
 
 
 def dividing(silo: "Silo", most: float) -> np.ndarray:

@@ -63,7 +63,8 @@ def fidelity(name: str) -> Fidelity:
 def like(scene: Scene) -> str | None:
     """The name of the setting, if any, whose cells and speed a scene has, all else of its method being the default."""
     usual = scene.model_copy(update={"averaging": Averaging()}).characteristic_length_m
-    usual_mesh, others = Mesh().fitted(scene.silo), Method(gravity_m_per_s2=scene.method.gravity_m_per_s2)
+    usual_mesh = Mesh(cell_size_m=scene.grid.cell_size_m).fitted(scene.silo, scene.flow.outflow == "gravity")
+    others = Method(gravity_m_per_s2=scene.method.gravity_m_per_s2)
     if (
         (scene.grid.points_per_cell, scene.grid.shape) != (usual_mesh.points_per_cell, usual_mesh.shape)
         or not math.isclose(scene.characteristic_length_m, usual, rel_tol=SAME)

@@ -7,7 +7,7 @@ The first are said before a run starts and kept in its summary: each is a cell o
 import shapely
 
 from taichi_silo.mpm.shapes import SHAPES
-from taichi_silo.scene.cell_sizes import narrowest_m
+from taichi_silo.scene.cell_sizes import WIDE_OUTLET, narrowest_m
 from taichi_silo.scene.fidelity import like, measured
 from taichi_silo.scene.flow import slow_speed_m_per_s
 from taichi_silo.scene.scene import Scene
@@ -17,7 +17,7 @@ NOISY = ("apic", "gradient", "xpic", "blend", "pic")
 FEWEST_CELLS = 10  # that an outlet should be wide
 THICK = 2  # cells that a body should be: sand reaches a cell into it from each side
 BEGUN = 0.05  # of the outlet's width: until a gate has sunk as far, sand only loosens, and all of it a little
-DEAD_EDGE = 1.7  # cells of its width that pass nothing in free outflow (`validation/beverloo.py`)
+DEAD_EDGE, OF_MORE = 1.7, 0.2  # cells of its width that pass nothing in free outflow, of one and of four points each
 
 
 def of_method(scene: Scene) -> list[str]:
@@ -60,13 +60,14 @@ def of_method(scene: Scene) -> list[str]:
             f"Mass scaling by {method.mass_scaling:g} makes the sand feel a bottom {method.mass_scaling**0.5:.3g} "
             "times as fast: N and P between very rough walls change as with that speed."
         )
-    if scene.flow.outflow == "gravity" and cells_across_outlet(scene) < FEWEST_CELLS - 1e-6:
-        cells = cells_across_outlet(scene)
-        share = max(0.0, 1.0 - DEAD_EDGE / cells) ** 1.5
+    one, cells = scene.grid.points_per_cell == 1, cells_across_outlet(scene)
+    if scene.flow.outflow == "gravity" and cells < (enough := WIDE_OUTLET if one else FEWEST_CELLS) - 1e-6:
+        share = max(0.0, 1.0 - (DEAD_EDGE if one else OF_MORE) / cells) ** 1.5
+        size = f"a cell size of {1e3 * scene.grid.cell_size_m * cells / enough:.3g} mm"
         found.append(
-            f"The outlet is {cells:.3g} cells wide: sand falls out at {share:.0%} of the rate that a fine grid gives, "
-            f"and may jam; {FEWEST_CELLS} cells or more would do, as with a cell size of "
-            f"{1e3 * scene.grid.cell_size_m * cells / FEWEST_CELLS:.3g} mm."
+            f"The outlet is {cells:.3g} cells wide: sand falls out at {share:.0%} of the rate that a fine grid gives"
+            f"{', and may jam' if cells < FEWEST_CELLS - 1e-6 else ''}; {enough} cells or more would do, as with {size}"
+            f"{', or four points a cell' if one else ''}."
         )
     h = scene.grid.cell_size_m
     for number, insert in enumerate(scene.silo.inserts):

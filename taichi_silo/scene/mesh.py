@@ -10,7 +10,8 @@ from taichi_silo.scene.silo import Silo
 from taichi_silo.utils.messages import shown
 from taichi_silo.utils.schema import Options
 
-BESIDE_CUT_CELLS = 4  # points a cell: one does not hold an inclined wall's pressure (see `mpm.walls.surfaces`)
+MORE = 4  # points a cell: one does not hold an inclined wall's pressure (see `mpm.walls.surfaces`), and lets too
+# little sand fall out of an outlet of few cells (`validation/beverloo.py`)
 MOST_PER_CELL = 10_000
 MOST_CELLS = 20_000  # across or along a silo
 
@@ -28,7 +29,7 @@ class Mesh(Options):
     points_per_cell: int = Field(
         1,
         description="points in a cell at the start, a square number: 1, 4, 9, ...; where a scene lacks it 1, or 4 if "
-        "walls cut cells",
+        f"walls cut cells, or sand falls freely through an outlet less than {cell_sizes.WIDE_OUTLET} cells wide",
     )
     shape: Shape = Field("ugimp", description="shape functions")
 
@@ -46,12 +47,14 @@ class Mesh(Options):
         """What follows the silo, as it was not given."""
         return tuple(name for name in ("cell_size_m", "points_per_cell") if name not in self.model_fields_set)
 
-    def fitted(self, silo: Silo) -> "Mesh":
-        """The grid, the size of its cells and their points chosen for a silo where they are not given."""
-        fitting = {
-            "cell_size_m": cell_sizes.chosen(silo, self.cell_size_m),
-            "points_per_cell": BESIDE_CUT_CELLS if silo.cuts_cells else 1,
-        }
+    def fitted(self, silo: Silo, falls: bool) -> "Mesh":
+        """The grid, the size of its cells and their points chosen for a silo where they are not given.
+
+        `falls`: whether the sand falls out of it freely.
+        """
+        cell = cell_sizes.chosen(silo, self.cell_size_m) if "cell_size_m" in self.chosen else self.cell_size_m
+        narrow = falls and cell_sizes.narrow_outlet(silo, cell)
+        fitting = {"cell_size_m": cell, "points_per_cell": MORE if silo.cuts_cells or narrow else 1}
         values = {name: fitting[name] for name in self.chosen if fitting[name] != getattr(self, name)}
         if not values:
             return self

@@ -136,7 +136,7 @@ class Scene(Options):
     @model_validator(mode="after")
     def _meshed(self):
         fitted = {
-            "grid": self.grid.fitted(self.silo),
+            "grid": self.grid.fitted(self.silo, self.flow.outflow == "gravity"),
             "flow": self.flow.fitted(self.silo, self.method.gravity_m_per_s2),
         }
         for name, part in fitted.items():

@@ -152,3 +152,19 @@ def test_a_narrow_outlet_gets_a_word_before_the_run():
     outlets = ({"width_m": 0.1, "position": 0.06}, {"width_m": 0.04, "position": 0.16})
     scene = Scene(silo=Silo(outlet=outlets), grid=Mesh(cell_size_m=0.01), flow=Flow(outflow="gravity"))
     assert any("4 cells wide" in word for word in known_limits.of_method(scene))
+
+
+@pytest.mark.parametrize(
+    ("width_m", "flow", "given", "points"),
+    [
+        (0.08, {"outflow": "gravity"}, {}, 4), (0.16, {"outflow": "gravity"}, {}, 1), (0.08, {}, {}, 1),
+        (0.08, {"outflow": "gravity"}, {"points_per_cell": 1}, 1),
+    ],
+)  # fmt: skip
+def test_sand_that_falls_through_few_cells_has_four_points_in_each(width_m, flow, given, points):
+    """Six cells let 0.59 rho sqrt(g D^3) pass with one point in each, 0.91 with four (`validation/beverloo.py`)."""
+    silo = Silo(width_m=0.4, outlet={"width_m": width_m})
+    scene = Scene(silo=silo, grid={"cell_size_m": 0.01} | given, flow=flow)
+    assert scene.grid.points_per_cell == points
+    again = Scene.model_validate(scene.model_dump(exclude={"grid": set(scene.grid.chosen)}))
+    assert again.grid == scene.grid

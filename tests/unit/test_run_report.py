@@ -378,7 +378,10 @@ def test_known_limits_are_those_of_the_kind_of_run(tmp_path):
     assert any("driven at 20 mm/s" in words for words in known_limits.of_results(narrow.scene))
     falling = scene.model_copy(update={"flow": Flow(outflow="gravity")})
     (words,) = known_limits.of_method(falling)
-    assert "6 cells wide: sand falls out at 61%" in words and "a cell size of 6 mm" in words
+    assert "6 cells wide: sand falls out at 61%" in words and "a cell size of 3.75 mm, or four points" in words
+    more = falling.model_copy(update={"grid": Mesh(cell_size_m=0.01, points_per_cell=4)})
+    (words,) = known_limits.of_method(more)
+    assert "6 cells wide: sand falls out at 95%" in words and "a cell size of 6 mm." in words
     assert not known_limits.of_method(scene)
     smooth = written(tmp_path / "smooth", Scene(walls={"kind": "smooth", "friction_angle_deg": 19.0}))
     (words,) = [one for one in known_limits.of_results(smooth.scene) if "fidelity" not in one]

@@ -25,7 +25,7 @@ def scene_of(case: Case, cell_size_m: float = 0.005, speed_m_per_s: float = 0.00
         silo=silo,
         sand=sands.sand("karlsruhe", case.void_ratio, law=law),
         walls=Walls(kind=case.walls, friction_angle_deg=case.wall_friction_angle_deg),
-        grid=Mesh(cell_size_m=cell_size_m),
+        grid=Mesh(cell_size_m=cell_size_m, points_per_cell=1),  # the paper's
         averaging=Averaging(characteristic_length_m=LENGTH_M),
         flow=flow,
         machine=Machine(threads=1),
