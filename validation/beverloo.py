@@ -2,7 +2,7 @@
 
 A slot lets out C rho sqrt(g) (D - D0)^(3/2). A straight line through rate^(2/3) over D gives C and the dead edge D0,
 which a continuum without a length should not have: what it has is the grid's. Leaves `beverloo.csv`, a row a run, and
-`beverloo_fit.csv`. Cost on 10 mm cells: four core-minutes with one point in each, twenty with four; on 5 mm 16 times that.
+`beverloo_fit.csv`. Cost on 10 mm cells: 4 core-minutes with one point in each, 20 with four; on 5 mm 16 times that.
 """
 
 import sys
