@@ -180,38 +180,38 @@ class Simd(Executor):
 
     @ti.kernel
     def _load(self, points: arrays_of_eight, nodal: arrays_of_eight):
-        for q in range(self.layout.groups * LANES):
-            g, lane = q // LANES, q % LANES
-            p, scale = self.layout.order[q], ti.cast(1.0, real)
-            if p >= self.particles.active[None]:
-                p, scale = self.layout.order[ti.max(self.particles.active[None] - 1, 0)], NOTHING
-            for name in ti.static(self.particles.names):
-                k = g * self.layout.record + ti.static(self.layout.begins[name])
-                width = ti.static(self.particles.WIDTHS.get(name, 1))
-                if ti.static(name in ("mass", "volume")):
-                    points[k][lane] = scale * ti.static(self.particles.fields[name])[p]
-                elif ti.static(width == 1):
-                    points[k][lane] = ti.static(self.particles.fields[name])[p]
-                else:
-                    for c in ti.static(range(width)):
-                        points[k + c][lane] = ti.static(self.particles.fields[name])[p][c]
+        for g in range(self.layout.groups):
+            for lane in range(LANES):
+                p, scale = self.layout.order[g * LANES + lane], ti.cast(1.0, real)
+                if p >= self.particles.active[None]:
+                    p, scale = self.layout.order[ti.max(self.particles.active[None] - 1, 0)], NOTHING
+                for name in ti.static(self.particles.names):
+                    k = g * self.layout.record + ti.static(self.layout.begins[name])
+                    width = ti.static(self.particles.WIDTHS.get(name, 1))
+                    if ti.static(name in ("mass", "volume")):
+                        points[k][lane] = scale * ti.static(self.particles.fields[name])[p]
+                    elif ti.static(width == 1):
+                        points[k][lane] = ti.static(self.particles.fields[name])[p]
+                    else:
+                        for c in ti.static(range(width)):
+                            points[k + c][lane] = ti.static(self.particles.fields[name])[p][c]
         for k in range(self.grid.nodes):  # which somebody may have borrowed
             for lane in ti.static(range(LANES)):
                 nodal[k][lane] = 0.0
 
     @ti.kernel
     def _store(self, points: arrays_of_eight):
-        for q in range(self.particles.active[None]):
-            g, lane = q // LANES, q % LANES
-            p = self.layout.order[q]
-            for name in ti.static(self.particles.names):
-                k = g * self.layout.record + ti.static(self.layout.begins[name])
-                width = ti.static(self.particles.WIDTHS.get(name, 1))
-                if ti.static(width == 1):
-                    ti.static(self.particles.fields[name])[p] = points[k][lane]
-                else:
-                    for c in ti.static(range(width)):
-                        ti.static(self.particles.fields[name])[p][c] = points[k + c][lane]
+        for g in range((self.particles.active[None] + LANES - 1) // LANES):
+            for lane in range(ti.min(LANES, self.particles.active[None] - g * LANES)):
+                p = self.layout.order[g * LANES + lane]
+                for name in ti.static(self.particles.names):
+                    k = g * self.layout.record + ti.static(self.layout.begins[name])
+                    width = ti.static(self.particles.WIDTHS.get(name, 1))
+                    if ti.static(width == 1):
+                        ti.static(self.particles.fields[name])[p] = points[k][lane]
+                    else:
+                        for c in ti.static(range(width)):
+                            ti.static(self.particles.fields[name])[p][c] = points[k + c][lane]
 
     @ti.kernel
     def _steps(
