@@ -18,7 +18,6 @@ from validation.accuracy.figures import error_figure
 from validation.accuracy.table import FORCES, MEASURES, WORST, Truth, errors, front, with_front
 
 WEIGHT = 1600.0
-UNMEASURED = ("hopper dense", "insert dense")  # since walls that cut cells have four points a cell
 TRUTH = {name: Truth(700.0, 16.0, "N/m", WEIGHT) for name in FORCES} | {
     "zone_thickness": Truth(0.01, 0.001, "m", math.nan)
 }
@@ -35,7 +34,7 @@ def test_every_dial_makes_a_scene_and_a_scene_of_the_chart_is_of_its_own_kind(na
     settings = [(row.dial, row.setting) for row in rows]
     assert len(set(settings)) == len(settings), "a dial has a setting twice"
     assert len({row.run.folder for row in rows}) < len(rows), "the base is shared by dials"
-    assert kind(rows[0].run.scene) == (None if name in UNMEASURED else name)
+    assert kind(rows[0].run.scene) == name
 
 
 def test_forces_err_over_the_weight_and_a_thickness_over_itself():
