@@ -4,6 +4,7 @@ from typing import Any
 
 from taichi_silo.mpm.field_store import Fields
 from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.runtime import real
 
 
 def same(one: object, other: object) -> bool:
@@ -74,7 +75,7 @@ class OneNode:
 @ti.func
 def take(fields: ti.template(), lists: ti.template(), k, turn, run: ti.template(), step, option: ti.template()):
     """Add to the sums of node k what the function `run` of a phase lets the points of its lists give."""
-    mass, momentum, force = 0.0 * step.dt, ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
+    mass, momentum, force = ti.cast(0.0, real), ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
     i, j = k % fields.grid.columns, k // fields.grid.columns
     for patch in ti.static(fields.patches()):
         for node in ti.static([OneNode(fields, patch, (mass, momentum, force), (i, j), run, step, option)]):

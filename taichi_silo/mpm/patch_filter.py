@@ -18,10 +18,11 @@ elastic one, nor, but for parts in a thousand, to sand that is being filled, and
 cell size. Sand that is as dense as it can be keeps its stress, too (`several.room`): that alone keeps a point from
 being packed further, at the edge of an outlet.
 
-Neither must the filter act earlier, nor close to a body inside the sand. At the body's corners, and beside walls that
-cut cells if there is one point a cell, nodes need stresses that vary from cell to cell; sand that loses them strains
-until it has them again, loses them again, and creeps. So sand beside a body is spared, and with one point a cell such
-a scene has no filter (`scene.stress_filter`).
+The filter must not act earlier. In hoppers and beside bodies nodes need stresses that vary from cell to cell; sand that
+loses them strains until it has them again, loses them again, and creeps: the softer the sand, the more. There the
+filter waits for flow, and leaves what nodes feel (`felt_part`); with one point a cell such a scene has none
+(`scene.stress_filter`). What nodes feel is not left everywhere, as the stresses of two rows of points in a cell part in
+a shear zone, which nodes do feel: a layer then resists 2 % too much on cells as wide as its length, and 0.5 % without.
 
 What P does not know at all fades as exp(-m gamma / STRAIN) whatever the turns; what it half knows fades the more, the
 more turns share a strain, so turns follow each other by the way of the points (`TURN`), whatever the time step.
@@ -33,8 +34,9 @@ import numpy as np
 
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import Barrier, Phase
+from taichi_silo.mpm.felt_part import FeltPart
 from taichi_silo.mpm.field_memory import present, put, values
-from taichi_silo.mpm.grid import MARGIN, Grid
+from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws.several import admissible, room
 from taichi_silo.mpm.particles import Particles
@@ -47,7 +49,6 @@ STRAIN = 3e-4  # over which a pattern falls to 1 / e
 FORGETS = 0.02  # l: path of the strain, over which sand forgets its stress
 TURN = 3e-3  # of a cell: way of the fastest point between two turns of the filter
 MOST_STEPS = 2000  # between them
-BESIDE = 2.0  # cells from a body, within which sand keeps its stress; from one more on the filter acts in full
 FINITE = 1e30  # a larger stress [Pa] is none
 
 
@@ -59,7 +60,7 @@ class PatchFilter:
     ----------
     particles, grid, law : of the solver.
     mirrored : whether the grid's last column before its margin is an axis of symmetry (see `mirrored_solver`).
-    bodies : places on the surfaces of bodies inside the sand (n, 2) [m], on a grid that stands still.
+    felt : of the same particles, if what nodes feel is not to be taken out.
 
     """
 
@@ -67,26 +68,14 @@ class PatchFilter:
     BETWEEN_LAUNCHES = True
 
     def __init__(
-        self, particles: Particles, grid: Grid, law: Law, mirrored: bool = False, bodies: np.ndarray | None = None
+        self, particles: Particles, grid: Grid, law: Law, mirrored: bool = False, felt: FeltPart | None = None
     ):
-        self.acts: Any = None  # at a node: how much, from 0 to 1
-        if bodies is not None:
-            self.acts = ti.field(real, shape=grid.nodes)
-            put(self.acts, self._away(grid, bodies))
+        self.felt, self.waits = felt, felt is not None  # for flow
         self.particles, self.grid, self.law = particles, grid, law
         self.path = ti.field(real, shape=particles.count)  # of the strain at the last turn
         self.ACTIVE = self.BETWEEN_LAUNCHES = getattr(law, "FORGETS", True)
         self.revision, self.way, self.steps = -1, 0.0, 0  # of the points; way [cells] and steps since the last turn
         self.passes = PatchPasses(particles, grid, mirrored)
-
-    @staticmethod
-    def _away(grid: Grid, bodies: np.ndarray) -> np.ndarray:
-        from scipy.spatial import cKDTree  # a tenth of a second, for which scenes without bodies need not wait
-
-        column, row = np.arange(grid.nodes) % grid.columns - MARGIN, np.arange(grid.nodes) // grid.columns - MARGIN
-        size = grid.cell_size, grid.first_cell_height
-        cells, _nearest = cKDTree(bodies / size).query(np.column_stack([column, row]))
-        return np.clip(cells - BESIDE, 0.0, 1.0)
 
     def borrow(self, layout: Any, barrier: Barrier, *arrays: ti.Ndarray) -> None:
         """Work on the vector unit's arrays (points, sums, nodal), which keep nothing between launches; sums are 0.
@@ -95,6 +84,8 @@ class PatchFilter:
         """
         self.passes.points, self.passes.sums, self.passes.means = arrays
         self.passes.layout, self.passes.barrier = layout, barrier
+        if self.felt:
+            self.felt.layout = layout
 
     def phases(self) -> list[Phase]:
         """None: it acts between launches."""
@@ -140,7 +131,10 @@ class PatchFilter:
         self.passes.hold()
         self._read(self.passes.points)
         self.passes.run()
-        self._fade(self.passes.points)
+        self._weigh(self.passes.points)
+        if self.felt:
+            self.felt.take_out(self.passes.points)
+        self._take_out(self.passes.points)
 
     # --- fields, whose components cannot be had where vectors stay vectors of the processor ------------------------
 
@@ -157,7 +151,7 @@ class PatchFilter:
             points[p] = eight(s[0], s[1], s[2], s[3], x, y, 0.0, 0.0)
 
     @ti.kernel
-    def _fade(self, points: arrays_of_eight):
+    def _weigh(self, points: arrays_of_eight):
         for p in range(self.particles.places()):
             if not self.particles.is_there(p):
                 continue
@@ -166,16 +160,19 @@ class PatchFilter:
             share = 1.0 - exp_minus(forgets * (path - self.path[p]) / STRAIN)
             self.path[p] = path
             if points[p][5] > NOWHERE:
-                s, left = self.particles.stress[p], points[p]
-                e = self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
-                if ti.static(self.acts):
-                    share *= self.acts[self._nearest_node(points[p][4], points[p][5])]
-                share *= room(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), e)
-                faded = s[0] - share * left[0], s[1] - share * left[1], s[2] - share * left[2], s[3] - share * left[3]
-                self.particles.write("stress", p, admissible(self.law, self.particles, p, faded, e))
+                s = self.particles.stress[p]
+                share *= room(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), self._void_ratio(p))
+                for c in ti.static(range(4)):
+                    points[p][c] *= share
+
+    @ti.kernel
+    def _take_out(self, points: arrays_of_eight):
+        for p in range(self.particles.places()):
+            if self.particles.is_there(p) and points[p][5] > NOWHERE:
+                s, out = self.particles.stress[p], points[p]
+                rest = s[0] - out[0], s[1] - out[1], s[2] - out[2], s[3] - out[3]
+                self.particles.write("stress", p, admissible(self.law, self.particles, p, rest, self._void_ratio(p)))
 
     @ti.func
-    def _nearest_node(self, x, y):
-        """Number of the node nearest to a place [cells]."""
-        i, j = ti.cast(ti.floor(x + 0.5), ti.i32) + MARGIN, ti.cast(ti.floor(y + 0.5), ti.i32) + MARGIN
-        return self.grid.node(ti.max(0, ti.min(i, self.grid.columns - 1)), ti.max(0, ti.min(j, self.grid.rows - 1)))
+    def _void_ratio(self, p):
+        return self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0

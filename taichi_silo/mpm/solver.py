@@ -192,8 +192,9 @@ class Solver:
         if self.friction.ACTIVE:
             found = self.point_sums()
             self.friction.know_waves(self.grid.cell_size / found.transit - found.speed)
-        looks = self.averaging.ACTIVE or self.filter.BETWEEN_LAUNCHES
-        if self.filter.BETWEEN_LAUNCHES:
+        filters = self.filter.BETWEEN_LAUNCHES and (stage == "flow" or not self.filter.waits)
+        looks = self.averaging.ACTIVE or filters
+        if filters:
             self.filter.begin()
         done = 0
         while done < steps:
@@ -202,10 +203,10 @@ class Solver:
             if self.averaging.ACTIVE:
                 self.averaging.refresh()
                 chunk = min(chunk, self.averaging.steps_within(fastest, dt))
-            if self.filter.BETWEEN_LAUNCHES:
+            if filters:
                 chunk = min(chunk, self.filter.steps_within(fastest, dt))
             self.executor.run(done, chunk, steps, dt, *schedule)
-            if self.filter.BETWEEN_LAUNCHES:
+            if filters:
                 self.filter.passed(chunk, fastest, dt)
             done += chunk
 

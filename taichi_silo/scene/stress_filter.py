@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from taichi_silo.mpm.patch_filter import BESIDE, STRAIN
+from taichi_silo.mpm.patch_filter import STRAIN
 
 if TYPE_CHECKING:
     from taichi_silo.scene.scene import Scene
@@ -22,6 +22,6 @@ def filter_of(scene: "Scene") -> tuple[str, str]:
         f"With {count} point{'s' * (count > 1)} a cell nodes do not feel {3 * count - 2} of {3 * count} patterns of "
         f"stress, and sheared sand holds none of them; those that vary from point to point fade over {STRAIN:g} of "
         "strain."
-        + f" Within {BESIDE:g} cells of a body inside, where sand would creep without them, they stay."
-        * bool(silo.inserts)
+        + " Beside walls that cut cells that would make sand creep: it waits for flow, and what nodes feel stays."
+        * silo.cuts_cells
     )

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from taichi_silo.mpm.contracts import Filter, Law, Shape, Wall
+from taichi_silo.mpm.felt_part import FeltPart
 from taichi_silo.mpm.filters import FILTERS
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
@@ -98,8 +99,8 @@ class Model:
         )  # fmt: skip
 
     def _filtering(self) -> Filter | None:
-        """The class of the filter; the patch filter knows the bodies inside the sand."""
-        filtering, bodies = FILTERS[filter_of(self.scene)[0]], self.surfaces[-len(self.scene.silo.inserts) :]
-        if filtering is not PatchFilter or not self.scene.silo.inserts:
+        """The class of the filter; beside walls that cut cells the patch filter leaves what nodes feel."""
+        filtering = FILTERS[filter_of(self.scene)[0]]
+        if filtering is not PatchFilter or not self.surfaces:
             return filtering
-        return partial(PatchFilter, bodies=np.concatenate([one.stations(self.grid.cell_size)[0] for one in bodies]))
+        return partial(PatchFilter, felt=FeltPart(self.particles, self.grid, self.shape, self.section.geometry))

@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 
 from taichi_silo.mpm import patch_filter, runtime
+from taichi_silo.mpm.felt_part import FeltPart
+from taichi_silo.mpm.field_memory import put
+from taichi_silo.mpm.geometry import Axisymmetric, PlaneStrain
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws import Elastic
 from taichi_silo.mpm.patch_filter import STRAIN, PatchFilter
-from taichi_silo.mpm.shapes import UniformGimp
+from taichi_silo.mpm.patch_passes import PatchPasses
+from taichi_silo.mpm.shapes import ContiguousGimp, ConvectedDomain, UniformGimp
 from validation.stability.bodies import block, change, solver
 from validation.stability.rotation import CELL as TURNED_CELL
 from validation.stability.rotation import carried_round
@@ -26,8 +30,7 @@ def forgetful(monkeypatch):
     monkeypatch.setattr(patch_filter, "FORGETS", 1e-9)
 
 
-def filtered(stress, per_axis=1, strain=LARGE, jitter=0.0, shift=0.0, turns=1, sheared=SHEARED, packed=(), law=Elastic,
-             bodies=None):  # fmt: skip
+def filtered(stress, per_axis=1, strain=LARGE, jitter=0.0, shift=0.0, turns=1, sheared=SHEARED, packed=(), law=Elastic):
     """Stresses before and after turns of the filter, each after a strain, and the places of the points [cells]."""
     runtime.init()
     size = CELLS * CELL
@@ -42,7 +45,7 @@ def filtered(stress, per_axis=1, strain=LARGE, jitter=0.0, shift=0.0, turns=1, s
     volume = (CELL / per_axis) ** 2 * (1.0 + 0.2 * jitter * rng.uniform(-1.0, 1.0, len(place)))
     volume[list(packed)] *= 0.85
     change(particles, position=place, stress=given, volume=volume, path=np.full(len(place), sheared))
-    patch = PatchFilter(particles, grid, law(1e6, 0.0), bodies=bodies)
+    patch = PatchFilter(particles, grid, law(1e6, 0.0))
     for _ in range(turns):
         patch.begin()
         particles.path.from_numpy(particles.path.to_numpy() + strain)
@@ -84,16 +87,6 @@ def test_sand_as_dense_as_it_can_be_keeps_its_stress():
     before, after, _place = filtered(alternating(2, [0, 1]), 2, packed=[packed], law=Packing)
     assert (after[packed] == before[packed]).all()
     assert np.abs(after[packed + 1]).max() < 0.1 * np.abs(before[packed + 1]).max()
-
-
-def test_sand_within_two_cells_of_a_body_keeps_its_stress():
-    """There nodes may need what varies from cell to cell; from three and a half cells on it fades."""
-    body = CELL * np.array([[8.0, y] for y in np.arange(6.0, 10.25, 0.25)])
-    before, after, place = filtered(alternating(2, [0, 1]), 2, bodies=body)
-    away = np.linalg.norm(place[:, None] - body / CELL, axis=2).min(axis=1)
-    close, far = away < 1.2, inner(place) & (away > 3.8)
-    assert close.sum() > 40 and (after[close] == before[close]).all()
-    assert np.abs(after[far]).max() < 0.02 * np.abs(before[far]).max()
 
 
 @pytest.mark.parametrize("per_axis, jitter", [(1, 0.0), (2, 0.4)])
@@ -186,3 +179,36 @@ def test_a_body_that_is_carried_keeps_any_stress(forgetful):
     now = particles.arrays()
     assert now["position"] == pytest.approx(place + [20 * CELL, 0.0], abs=1e-6)
     assert now["stress"] == pytest.approx(given, rel=0.01)
+
+
+@pytest.mark.parametrize("geometry", [PlaneStrain(), Axisymmetric()])
+@pytest.mark.parametrize("shape", [UniformGimp(0.25), ContiguousGimp(0.25), ConvectedDomain(0.25)])
+def test_what_nodes_feel_of_a_pattern_is_taken_out_and_what_they_do_not_feel_stays(shape, geometry):
+    """A second time there is nothing to take out, and the forces are those of a hundredth of the pattern."""
+    runtime.init()
+    particles, grid = block(width=0.08, height=0.08, cell=CELL, points_per_axis=2, box=(0.2, 0.2), origin=(0.05, 0.05),
+                            extra=("domain",) * shape.DOMAIN)  # fmt: skip
+    rng = np.random.default_rng(5)
+    place = particles.arrays()["position"]
+    change(particles, position=place + 0.2 * CELL * rng.uniform(-0.5, 0.5, place.shape))
+    if shape.DOMAIN:
+        change(particles, domain=np.tile([0.5 * CELL, 0.0, 0.0, 0.5 * CELL], (len(place), 1)))
+    felt, passes = FeltPart(particles, grid, shape, geometry), PatchPasses(particles, grid, False)
+    passes.hold()
+    given = np.zeros(passes.points.to_numpy().shape)
+    given[: len(place), :4] = 1e3 * rng.uniform(-1.0, 1.0, (len(place), 4))
+    passes.points.from_numpy(given)
+    forces = [np.linalg.norm(felt._forces(passes.points, False))]
+    left = []
+    for _ in range(2):
+        put(felt.grid.mass, 0.0)
+        felt.take_out(passes.points)
+        left.append(passes.points.to_numpy()[: len(place), :4])
+        forces.append(np.linalg.norm(felt._forces(passes.points, False)))
+    volume = particles.arrays()["volume"][:, None] * np.array([1.0, 1.0, geometry.HOOP, 2.0])
+    assert forces[1] < 0.02 * forces[0]
+    assert (volume * (given[: len(place), :4] - left[0]) * left[0]).sum() < 0.01 * (volume * left[0] ** 2).sum()
+    assert (volume * (left[1] - left[0]) ** 2).sum() < 1e-3 * (volume * left[0] ** 2).sum()
+    assert (volume * left[0] ** 2).sum() > 0.5 * (volume * given[: len(place), :4] ** 2).sum()
+    if not geometry.HOOP:
+        assert (left[0][:, 2] == given[: len(place), 2]).all()

@@ -1,0 +1,138 @@
+"""What nodes feel of a pattern of point stresses, and how it is taken out of the pattern.
+
+Nodes feel of a pattern d the forces f_i = sum_p V_p d_p grad S_ip. The nearest pattern that they do not feel, by least
+squares weighted with the volumes, is
+
+    d_p - (B w)_p,   (B w)_p = sym sum_i w_i (x) grad S_ip,   K w = f
+
+B w is the stress of an elastic body of unit stiffness under the forces f, K its stiffness. Conjugate gradients find w;
+all nodes stand on a soft bed, which leaves those alone that hardly touch sand.
+"""
+
+import copy
+from typing import Any
+
+import numpy as np
+
+from taichi_silo.mpm import runtime
+from taichi_silo.mpm.cell_lists import CellLists
+from taichi_silo.mpm.contracts import Shape
+from taichi_silo.mpm.field_memory import put, values
+from taichi_silo.mpm.field_store import Fields
+from taichi_silo.mpm.g2p import gradient_of
+from taichi_silo.mpm.geometry import Axisymmetric, PlaneStrain
+from taichi_silo.mpm.grid import Grid
+from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.one_node import take
+from taichi_silo.mpm.particles import Particles
+from taichi_silo.mpm.patch_passes import NOWHERE, TURNS
+from taichi_silo.mpm.simd.store import STRIPS
+from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight
+
+LEFT = 0.01  # of the forces that are felt, which may stay
+MOST_STEPS = 50  # of conjugate gradients
+BED = 1e-7  # stiffness of the bed, of that of the stiffest node
+
+
+@ti.data_oriented
+class FeltPart:
+    """Takes it out of what stands in an array of eight, a row a point (see `PatchPasses`).
+
+    The grid must stand still and have no axis of symmetry.
+    """
+
+    def __init__(self, particles: Particles, grid: Grid, shape: Shape, geometry: PlaneStrain | Axisymmetric):
+        self.particles, self.geometry = particles, geometry
+        self.grid = copy.copy(grid)  # with sums of its own: `mass` is the trace of a node's stiffness, `velocity` is w
+        self.grid.copies, self.grid.mass = 1, None
+        self.grid.hold()
+        self.store = Fields(particles, self.grid, shape, False)
+        self.shared = not runtime.is_cpu()
+        self.lists: Any = CellLists(particles, self.grid, shape) if self.shared else None
+        self.layout: Any = None  # of the vector unit
+
+    def take_out(self, points: ti.Ndarray) -> None:
+        """Leave of the patterns in `points` what nodes do not feel."""
+        if self.shared:
+            self.lists.fill(0)
+        rest = self._forces(points, False)
+        weight = values(self.grid.mass)
+        put(self.grid.mass, 0.0)
+        bed = BED * weight.max()
+        per_weight = 1.0 / (weight + bed + 1e-300)[:, None]
+        w, along, size = 0.0 * rest, 0.0 * rest, 1.0
+        enough = LEFT**2 * float((rest * per_weight * rest).sum())
+        for _ in range(MOST_STEPS):
+            last, size = size, float((rest * per_weight * rest).sum())
+            if size <= enough:
+                break
+            along = rest * per_weight + size / last * along
+            put(self.grid.velocity, along)
+            resistance = self._forces(points, True) + bed * along
+            way = size / float((along * resistance).sum())
+            w += way * along
+            rest -= way * resistance
+        put(self.grid.velocity, w)
+        self._take(points)
+
+    def _forces(self, points: ti.Ndarray, strained: bool) -> np.ndarray:
+        """Forces (node, 2) of the patterns, or of the strains of what stands in `velocity`."""
+        for turn in range(TURNS if self.layout else 1):
+            self._sum(points, strained, turn)
+        found = values(self.grid.force)
+        put(self.grid.force, 0.0)
+        return found
+
+    @ti.kernel
+    def _sum(self, points: arrays_of_eight, strained: ti.template(), turn: ti.i32):
+        if ti.static(self.shared):
+            for k in range(self.grid.nodes):
+                take(self.store, self.lists, k, 0, self._give, points, strained)
+        elif ti.static(not self.layout):
+            ti.loop_config(serialize=True)
+            for p in range(self.particles.active[None]):
+                self._give(self.store, p, 0, points, strained)
+        else:  # strips of a turn share no nodes
+            ti.loop_config(block_dim=1)
+            for strip in range(STRIPS):
+                if self.layout.half[strip] == turn:
+                    for q in range(LANES * self.layout.first[strip], LANES * self.layout.first[strip + 1]):
+                        if self.layout.order[q] < self.particles.active[None]:
+                            self._give(self.store, self.layout.order[q], 0, points, strained)
+
+    @ti.kernel
+    def _take(self, points: arrays_of_eight):
+        for p in range(self.particles.places()):
+            if self.particles.is_there(p):
+                strain = self._strain(p)
+                for c in ti.static(range(4)):
+                    points[p][c] -= strain[c]
+
+    @ti.func
+    def _strain(self, p):
+        """Strain (xx, yy, zz, xy) at point p."""
+        gathered = self.store.gather(self.grid.velocity, p, 0)
+        xx, xy, yx, yy, hoop = gradient_of(self.store, self.grid, self.geometry, p, 0, gathered)
+        return xx, yy, hoop, 0.5 * (xy + yx)
+
+    @ti.func
+    def _give(self, store: ti.template(), p, t, points: ti.template(), strained: ti.template()):
+        """What point p gives to its nodes: the force of its strain, or of its pattern and its part of the traces."""
+        if points[p][5] > NOWHERE:
+            xx, yy, zz, xy = points[p][0], points[p][1], points[p][2], points[p][3]
+            if ti.static(strained):
+                xx, yy, zz, xy = self._strain(p)
+            volume = store.read("volume", p)
+            per_dx, per_dy, per_x = 1.0 / self.grid.cell_size, 1.0 / self.grid.cell_height(0), 0.0 * volume
+            if ti.static(self.geometry.HOOP):
+                per_x = 1.0 / store.read("position", p)[0]
+            for patch in ti.static(store.patches()):
+                i, sx, gx, j, sy, gy = store.touched(p, t, patch)
+                for b in ti.static(range(len(sy))):
+                    for a in ti.static(range(len(sx))):
+                        k = self.grid.node(ti.cast(i, ti.i32) + a, ti.cast(j, ti.i32) + b)
+                        s, dx, dy = sx[a] * sy[b] * per_x, gx[a] * sy[b] * per_dx, sx[a] * gy[b] * per_dy
+                        force = ti.Vector([dx * xx + dy * xy + s * zz, dx * xy + dy * yy])
+                        store.add(self.grid.force, k, volume * force)
+                        if ti.static(not strained):
+                            store.add(self.grid.mass, k, volume * (dx * dx + dy * dy + s * s))
