@@ -10,7 +10,7 @@ all nodes stand on a soft bed, which leaves those alone that hardly touch sand.
 """
 
 import copy
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -29,9 +29,15 @@ from taichi_silo.mpm.patch_passes import NOWHERE, TURNS
 from taichi_silo.mpm.simd.store import STRIPS
 from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight
 
-LEFT = 0.01  # of the forces that are felt, which may stay
-MOST_STEPS = 50  # of conjugate gradients
+STEPS = 12  # of conjugate gradients, which leave a hundredth of the forces
 BED = 1e-7  # stiffness of the bed, of that of the stiffest node
+
+
+class Given(NamedTuple):
+    """What points give: the forces of the patterns in an array, or of the strains of a displacement of the nodes."""
+
+    points: Any
+    strained: bool
 
 
 @ti.data_oriented
@@ -61,10 +67,9 @@ class FeltPart:
         bed = BED * weight.max()
         per_weight = 1.0 / (weight + bed + 1e-300)[:, None]
         w, along, size = 0.0 * rest, 0.0 * rest, 1.0
-        enough = LEFT**2 * float((rest * per_weight * rest).sum())
-        for _ in range(MOST_STEPS):
+        for _ in range(STEPS):
             last, size = size, float((rest * per_weight * rest).sum())
-            if size <= enough:
+            if size == 0.0:
                 break
             along = rest * per_weight + size / last * along
             put(self.grid.velocity, along)
@@ -87,18 +92,19 @@ class FeltPart:
     def _sum(self, points: arrays_of_eight, strained: ti.template(), turn: ti.i32):
         if ti.static(self.shared):
             for k in range(self.grid.nodes):
-                take(self.store, self.lists, k, 0, self._give, points, strained)
+                for given in ti.static([Given(points, strained)]):
+                    take(self.store, self.lists, k, 0, self._give, 0, given)
         elif ti.static(not self.layout):
             ti.loop_config(serialize=True)
             for p in range(self.particles.active[None]):
-                self._give(self.store, p, 0, points, strained)
+                self._give_of(p, points, strained)
         else:  # strips of a turn share no nodes
             ti.loop_config(block_dim=1)
             for strip in range(STRIPS):
                 if self.layout.half[strip] == turn:
                     for q in range(LANES * self.layout.first[strip], LANES * self.layout.first[strip + 1]):
                         if self.layout.order[q] < self.particles.active[None]:
-                            self._give(self.store, self.layout.order[q], 0, points, strained)
+                            self._give_of(self.layout.order[q], points, strained)
 
     @ti.kernel
     def _take(self, points: arrays_of_eight):
@@ -116,11 +122,17 @@ class FeltPart:
         return xx, yy, hoop, 0.5 * (xy + yx)
 
     @ti.func
-    def _give(self, store: ti.template(), p, t, points: ti.template(), strained: ti.template()):
+    def _give_of(self, p, points: ti.template(), strained: ti.template()):
+        for given in ti.static([Given(points, strained)]):
+            self._give(self.store, p, 0, 0, given)
+
+    @ti.func
+    def _give(self, store: ti.template(), p, t, step, given: ti.template()):
         """What point p gives to its nodes: the force of its strain, or of its pattern and its part of the traces."""
-        if points[p][5] > NOWHERE:
-            xx, yy, zz, xy = points[p][0], points[p][1], points[p][2], points[p][3]
-            if ti.static(strained):
+        if given.points[p][5] > NOWHERE:
+            pattern = given.points[p]
+            xx, yy, zz, xy = pattern[0], pattern[1], pattern[2], pattern[3]
+            if ti.static(given.strained):
                 xx, yy, zz, xy = self._strain(p)
             volume = store.read("volume", p)
             per_dx, per_dy, per_x = 1.0 / self.grid.cell_size, 1.0 / self.grid.cell_height(0), 0.0 * volume
@@ -134,5 +146,5 @@ class FeltPart:
                         s, dx, dy = sx[a] * sy[b] * per_x, gx[a] * sy[b] * per_dx, sx[a] * gy[b] * per_dy
                         force = ti.Vector([dx * xx + dy * xy + s * zz, dx * xy + dy * yy])
                         store.add(self.grid.force, k, volume * force)
-                        if ti.static(not strained):
+                        if ti.static(not given.strained):
                             store.add(self.grid.mass, k, volume * (dx * dx + dy * dy + s * s))

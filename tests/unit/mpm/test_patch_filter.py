@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from taichi_silo.mpm import patch_filter, runtime
+from taichi_silo.mpm import felt_part, patch_filter, runtime
 from taichi_silo.mpm.felt_part import FeltPart
 from taichi_silo.mpm.field_memory import put
 from taichi_silo.mpm.geometry import Axisymmetric, PlaneStrain
@@ -183,8 +183,12 @@ def test_a_body_that_is_carried_keeps_any_stress(forgetful):
 
 @pytest.mark.parametrize("geometry", [PlaneStrain(), Axisymmetric()])
 @pytest.mark.parametrize("shape", [UniformGimp(0.25), ContiguousGimp(0.25), ConvectedDomain(0.25)])
-def test_what_nodes_feel_of_a_pattern_is_taken_out_and_what_they_do_not_feel_stays(shape, geometry):
-    """A second time there is nothing to take out, and the forces are those of a hundredth of the pattern."""
+def test_what_nodes_feel_of_a_pattern_is_taken_out_and_what_they_do_not_feel_stays(shape, geometry, monkeypatch):
+    """A second time there is nothing to take out, and the forces are those of a hundredth of the pattern.
+
+    (Of a random one, which has long waves, too; the passes leave none of those, and fewer steps do.)
+    """
+    monkeypatch.setattr(felt_part, "STEPS", 60)
     runtime.init()
     particles, grid = block(width=0.08, height=0.08, cell=CELL, points_per_axis=2, box=(0.2, 0.2), origin=(0.05, 0.05),
                             extra=("domain",) * shape.DOMAIN)  # fmt: skip
