@@ -216,3 +216,36 @@ def test_what_nodes_feel_of_a_pattern_is_taken_out_and_what_they_do_not_feel_sta
     assert (volume * left[0] ** 2).sum() > 0.5 * (volume * given[: len(place), :4] ** 2).sum()
     if not geometry.HOOP:
         assert (left[0][:, 2] == given[: len(place), 2]).all()
+
+
+@pytest.mark.parametrize("leaves", [True, False])
+def test_a_filter_that_leaves_what_nodes_feel_changes_no_force(leaves):
+    """A kink of the stress, as beside a body, is felt and stays; what alternates from point to point fades."""
+    runtime.init()
+    size = CELLS * CELL
+    particles, grid = block(width=size, height=size, cell=CELL, points_per_axis=2, box=(size + CELL, size + CELL))
+    place = particles.arrays()["position"] / CELL
+    kink = np.outer(1e3 * np.abs(place[:, 0] - 8.2) * (place[:, 1] > 6.3), [1.0, 0.0, 0.0, 0.5])
+    board = 0.1 * alternating(2, [0, 1])(place)
+    change(particles, stress=kink + board, path=np.full(len(place), SHEARED))
+    felt = FeltPart(particles, grid, UniformGimp(0.25), PlaneStrain())
+    patch = PatchFilter(particles, grid, Elastic(1e6, 0.0), felt=felt if leaves else None)
+    patch.passes.hold()
+    seen = []
+
+    def forces():
+        rows = np.zeros(patch.passes.points.to_numpy().shape)
+        rows[: len(place), :4] = particles.arrays()["stress"]
+        patch.passes.points.from_numpy(rows)
+        seen.append(felt._forces(patch.passes.points, False))
+        put(felt.grid.mass, 0.0)
+
+    forces()
+    patch.begin()
+    particles.path.from_numpy(particles.path.to_numpy() + LARGE)
+    patch.turn()
+    forces()
+    changed = np.abs(seen[1] - seen[0]).max() / np.abs(seen[0]).max()
+    assert changed < 0.01 if leaves else changed > 0.05
+    here = inner(place) & (np.abs(place[:, 0] - 8.2) > 3.0) & (np.abs(place[:, 1] - 6.3) > 3.0)
+    assert np.abs(particles.arrays()["stress"] - kink)[here].max() < 0.2 * np.abs(board).max()
