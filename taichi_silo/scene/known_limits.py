@@ -4,6 +4,7 @@ The first are said before a run starts and kept in its summary: each is a cell o
 (`scenarios/stability.py`) that the choice can reach in a silo. The second stand in the report of a run.
 """
 
+import numpy as np
 import shapely
 
 from taichi_silo.mpm.shapes import SHAPES
@@ -12,10 +13,11 @@ from taichi_silo.scene.fidelity import like, measured
 from taichi_silo.scene.flow import slow_speed_m_per_s
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.symmetry import SLENDER
+from taichi_silo.scene.touching import NEAR
 
 NOISY = ("apic", "gradient", "xpic", "blend", "pic")
 FEWEST_CELLS = 10  # that an outlet should be wide
-THICK = 2  # cells that a body should be: sand reaches a cell into it from each side
+THICK = 2  # cells that a body, or a gap beside one, should be: sand reaches a cell into a body from each side
 BEGUN = 0.05  # of the outlet's width: until a gate has sunk as far, sand only loosens, and all of it a little
 DEAD_EDGE, OF_MORE = 1.7, 0.2  # cells of its width that pass nothing in free outflow, of one and of four points each
 
@@ -76,13 +78,33 @@ def of_method(scene: Scene) -> list[str]:
                 f"Insert {number + 1}, a {insert.kind}, is less than {THICK} cells of {1e3 * h:g} mm thick: the sand "
                 "on both of its sides shares nodes, and drags itself along through it."
             )
-    if not has_pattern(scene):
+    found += _narrow_gaps(scene)
+    if scene.flow.outflow == "controlled" and not has_pattern(scene):
         left, right = scene.silo.outlet_m
         found.append(
             f"The gate sinks by {1e3 * scene.flow.displacement_m:.3g} mm: until it has sunk by a twentieth of the "
             f"outlet's width ({1e3 * BEGUN * (right - left):.3g} mm) sand only loosens, and no flow pattern is "
             "told; a greater flow.displacement_m gives one."
         )
+    return found
+
+
+def _narrow_gaps(scene: Scene) -> list[str]:
+    """Gaps beside bodies through which the grid lets more or less sand pass than there is room for."""
+    found, silo, h = [], scene.silo, scene.grid.cell_size_m
+    left, right = silo.sides
+    others = {"the walls or the floor": shapely.LineString(np.concatenate([left[::-1], right]))}
+    for number, insert in enumerate(silo.inserts, start=1):
+        body = shapely.Polygon(insert.outline(silo.width_m))
+        for name, other in others.items():
+            gap = shapely.distance(body, other)
+            if NEAR < gap < THICK * h * (1.0 - 1e-6):
+                found.append(
+                    f"Between insert {number} and {name} is a gap of {1e3 * gap:.3g} mm, less than {THICK} cells of "
+                    f"{1e3 * h:g} mm: how much sand passes there follows the grid; a cell size of "
+                    f"{1e3 * gap / THICK:.3g} mm would do."
+                )
+        others[f"insert {number}"] = body
     return found
 
 

@@ -107,3 +107,20 @@ def test_a_body_thinner_than_two_cells_gets_a_word_before_the_run(cell_m, told):
     scene = Scene(silo=Silo(inserts=(Insert.polygon(ROD),)), grid=Mesh(cell_size_m=cell_m))
     words = [one for one in known_limits.of_method(scene) if one.startswith("Insert 1, a polygon, is less than 2")]
     assert bool(words) == told
+
+
+@pytest.mark.parametrize(
+    ("corners", "words"),
+    [
+        ([[(0.02, 0.001), (0.18, 0.001), (0.18, 0.05), (0.02, 0.05)]], ["the walls or the floor is a gap of 1 mm"]),
+        ([[(0.06, 0.1), (0.09, 0.1), (0.09, 0.2), (0.06, 0.2)], [(0.1, 0.1), (0.13, 0.1), (0.13, 0.2), (0.1, 0.2)]],
+         ["Between insert 2 and insert 1 is a gap of 10 mm, less than 2 cells of 10 mm"]),
+        ([[(0.06, 0.1), (0.09, 0.1), (0.09, 0.2), (0.06, 0.2)]], []),
+        ([[(0.0, 0.1), (0.05, 0.1), (0.05, 0.2), (0.0, 0.2)]], []),
+    ],
+)  # fmt: skip
+def test_gaps_of_less_than_two_cells_are_told(corners, words):
+    silo = Silo(outlet={"width_m": 0.1}, inserts=tuple(Insert.polygon(one) for one in corners))
+    scene = Scene(silo=silo, grid=Mesh(cell_size_m=0.01))
+    found = [one for one in known_limits.of_method(scene) if "gap" in one]
+    assert len(found) == len(words) and all(word in one for word, one in zip(words, found, strict=True))
