@@ -76,6 +76,8 @@ def one_sentence(error: ValidationError) -> str:
         return sentence(f"{path} has {context.get('actual_length') or 'too many'} entries; it must have {limit}")
     of_value = [_rule(one) for one in errors if one["loc"][: len(names)] == first["loc"][: len(names)]]
     rule = _range(context, names, options) or " or ".join(dict.fromkeys(of_value))
+    if rule == "be a list" and isinstance(first["input"], dict):
+        rule += f", each table of which begins with [[{path}]]"
     return sentence(f"{_short(names, options)} is {shown(first['input'])}; it must {rule}")
 
 

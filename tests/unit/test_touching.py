@@ -9,6 +9,7 @@ from taichi_silo.scene import known_limits, touching
 from taichi_silo.scene.scene import Mesh, Scene
 from taichi_silo.scene.silo import Insert, Silo
 from taichi_silo.simulation.discretise import Section, surfaces_of
+from taichi_silo.utils.schema import one_sentence
 
 ROD = [(0.0, 0.15), (0.05, 0.15), (0.05, 0.17), (0.0, 0.17)]
 HOPPER = [(0.06, 0.0), (0.14, 0.0), (0.2, 0.2), (0.2, 0.5), (0.0, 0.5), (0.0, 0.2)]
@@ -124,3 +125,9 @@ def test_gaps_of_less_than_two_cells_are_told(corners, words):
     scene = Scene(silo=silo, grid=Mesh(cell_size_m=0.01))
     found = [one for one in known_limits.of_method(scene) if "gap" in one]
     assert len(found) == len(words) and all(word in one for word, one in zip(words, found, strict=True))
+
+
+def test_one_pair_of_brackets_too_few_is_told():
+    with pytest.raises(ValidationError) as error:
+        Scene(silo={"inserts": {"kind": "roof", "width_m": 0.06, "bottom_m": 0.1}})
+    assert "each table of which begins with [[silo.inserts]]" in one_sentence(error.value)
