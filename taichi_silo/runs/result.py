@@ -12,7 +12,7 @@ import pandas as pd
 from taichi_silo.errors import BadInput
 from taichi_silo.runs import snapshot
 from taichi_silo.runs.observers.outflow import columns_of
-from taichi_silo.runs.run_folder import MADE
+from taichi_silo.runs.run_folder import CHECKPOINT, MADE, go_on
 from taichi_silo.scene import bands
 from taichi_silo.scene.outlets import mirrored
 from taichi_silo.scene.scene import Scene, cores
@@ -206,10 +206,19 @@ class Result(os.PathLike):
 
     @cached_property
     def trouble(self) -> tuple[str, ...]:
-        """A sentence for each file that a tolerant reader found damaged."""
+        """A sentence for each file that a tolerant reader found damaged, and one if rows of the forces are lost."""
         for name in ("summary", "forces", "walls", "snapshots"):
             getattr(self, name)
-        return tuple(self._damaged)
+        found, written = list(self._damaged), self.summary.get("records")
+        if isinstance(written, int) and 0 < len(self.forces) < written:
+            found.append(
+                f"forces.csv has {len(self.forces)} of the {written} records of the run: rows are lost, and what is "
+                "told of the end is of the last that is there."
+            )
+        ended = self.program.get("finished") is True and (self.folder / CHECKPOINT).exists()
+        if ended and not self.summary:
+            found.append(f"The run has ended; `{go_on(self.folder)}` writes summary.json once more.")
+        return tuple(found)
 
     # states of the sand
 

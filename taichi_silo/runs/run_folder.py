@@ -190,8 +190,13 @@ def typed(path: Path) -> str:
 
 
 def finished(folder: Path) -> bool:
-    """Whether a run has come to its end there, and all its files are made."""
-    return program(folder).get("finished") is True
+    """Whether a run has come to its end there, and all its files are made; its summary must be there still."""
+    if program(folder).get("finished") is not True:
+        return False
+    try:
+        return bool(bounded_reading.tables(folder / "summary.json"))
+    except BadInput:
+        return False
 
 
 def program(folder: Path) -> dict:

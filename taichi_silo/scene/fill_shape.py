@@ -134,8 +134,14 @@ def _check_surface(silo: "Silo", surface_m: polygons.Corners) -> None:
     if abs(y.max() - silo.height_m) > polygons.SAME:
         raise ValueError(f"height is {silo.height_m:g} m; the surface's highest corner is at {y.max():g} m")
     for number, insert in enumerate(silo.inserts, 1):
-        if _above(silo, surface_m).intersects(shapely.Polygon(insert.outline(silo.width_m))):
-            raise ValueError(f"insert {number}, the {insert.kind}, stands out of the sand; it must be covered by it")
+        out = _above(silo, surface_m).intersection(shapely.Polygon(insert.outline(silo.width_m)))
+        if not out.is_empty:
+            corners = shapely.get_coordinates(out)
+            x, top = corners[np.argmax(corners[:, 1])]
+            raise ValueError(
+                f"insert {number}, the {insert.kind}, stands out of the sand: at x = {x:.4g} m it reaches up to "
+                f"{top:.4g} m, the surface to {float(np.interp(x, *np.array(surface_m).T)):.4g} m; it must be covered"
+            )
 
 
 def _above(silo: "Silo", surface_m: polygons.Corners) -> shapely.Polygon:

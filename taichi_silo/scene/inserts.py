@@ -36,8 +36,8 @@ class Insert(Options):
             polygons.polygon(self.corners_m, "insert")
         elif self.corners_m is not None:
             raise ValueError(f"a {self.kind} has no corners_m; only an insert of kind polygon has")
-        elif self.width_m is None or self.bottom_m is None:
-            raise ValueError(f"a {self.kind} needs width_m and bottom_m")
+        elif missing := [name for name in ("width_m", "bottom_m") if of_body[name] is None]:
+            raise ValueError(f"a {self.kind} needs width_m and bottom_m; {' and '.join(missing)} must be given")
         return self
 
     @classmethod

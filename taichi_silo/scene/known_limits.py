@@ -4,6 +4,8 @@ The first are said before a run starts and kept in its summary: each is a cell o
 (`scenarios/stability.py`) that the choice can reach in a silo. The second stand in the report of a run.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 import shapely
 
@@ -12,6 +14,7 @@ from taichi_silo.scene.cell_sizes import WIDE_OUTLET, narrowest_m
 from taichi_silo.scene.fidelity import like, measured
 from taichi_silo.scene.flow import slow_speed_m_per_s
 from taichi_silo.scene.scene import Scene
+from taichi_silo.scene.silo import Silo
 from taichi_silo.scene.symmetry import SLENDER
 from taichi_silo.scene.touching import NEAR
 
@@ -89,23 +92,28 @@ def of_method(scene: Scene) -> list[str]:
     return found
 
 
-def _narrow_gaps(scene: Scene) -> list[str]:
+def _narrow_gaps(scene: Scene) -> Iterator[str]:
     """Gaps beside bodies through which the grid lets more or less sand pass than there is room for."""
-    found, silo, h = [], scene.silo, scene.grid.cell_size_m
+    h = scene.grid.cell_size_m
+    for gap, between in gaps(scene.silo):
+        if gap < THICK * h * (1.0 - 1e-6):
+            yield (
+                f"Between {between} is a gap of {1e3 * gap:.3g} mm, less than {THICK} cells of {1e3 * h:g} mm: how "
+                f"much sand passes there follows the grid; a cell size of {1e3 * gap / THICK:.3g} mm would do."
+            )
+
+
+def gaps(silo: Silo) -> Iterator[tuple[float, str]]:
+    """Widths of the gaps beside bodies [m], and between what they are."""
     left, right = silo.sides
     others = {"the walls or the floor": shapely.LineString(np.concatenate([left[::-1], right]))}
     for number, insert in enumerate(silo.inserts, start=1):
         body = shapely.Polygon(insert.outline(silo.width_m))
         for name, other in others.items():
             gap = shapely.distance(body, other)
-            if NEAR < gap < THICK * h * (1.0 - 1e-6):
-                found.append(
-                    f"Between insert {number} and {name} is a gap of {1e3 * gap:.3g} mm, less than {THICK} cells of "
-                    f"{1e3 * h:g} mm: how much sand passes there follows the grid; a cell size of "
-                    f"{1e3 * gap / THICK:.3g} mm would do."
-                )
+            if gap > NEAR:
+                yield gap, f"insert {number} and {name}"
         others[f"insert {number}"] = body
-    return found
 
 
 def has_pattern(scene: Scene, displacement_m: float | None = None) -> bool:

@@ -23,9 +23,14 @@ def polygon(corners: Corners, name: str) -> np.ndarray:
     if len(apart) < 3:
         raise ValueError(f"the {name} has {len(apart)} corners; a polygon has at least 3")
     shape = shapely.Polygon(apart)
-    if not shape.is_valid or shape.area < SAME:
-        why = shapely.is_valid_reason(shape).lower() if not shape.is_valid else "no area"
-        raise ValueError(f"the {name} is no simple polygon ({why}); its sides must not touch or cross each other")
+    if shapely.MultiPoint(apart).convex_hull.area < SAME:
+        raise ValueError(f"the corners of the {name} lie on one line; a polygon must enclose an area")
+    if not shape.is_valid:
+        _, _, place = shapely.is_valid_reason(shape).partition("[")
+        at = f" at ({', '.join(f'{float(one):.4g}' for one in place.rstrip(']').split())}) m" if place else ""
+        raise ValueError(
+            f"sides of the {name} touch or cross each other{at}; its corners must go around it once, in order"
+        )
     return np.array(shapely.geometry.polygon.orient(shape).exterior.coords[:-1])
 
 

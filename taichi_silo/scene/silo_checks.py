@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from taichi_silo.scene.silo import Silo
 
 ALIKE = 1e-6  # of its area, by which the mirror image of a body may differ
+MILLIMETRES = 30.0  # a body so many times as high as the fill is likely given in them
 
 
 def check(silo: "Silo") -> None:
@@ -42,8 +43,12 @@ def check(silo: "Silo") -> None:
         _check_insert(silo, insert)
     shapes = [shapely.Polygon(insert.outline(wide)) for insert in silo.inserts]
     for number, one in enumerate(shapes):
-        if any(one.intersects(other) for other in shapes[:number]):
-            raise ValueError(f"insert {number + 1} overlaps another one; inserts must stand apart")
+        for before, other in enumerate(shapes[:number]):
+            if one.intersects(other):
+                x, y = one.intersection(other).representative_point().coords[0]
+                raise ValueError(
+                    f"inserts {before + 1} and {number + 1} meet at ({x:.4g}, {y:.4g}) m; they must stand apart"
+                )
     if silo.section == "round":
         _check_round(silo)
     fill_shape.check(silo)
@@ -113,9 +118,11 @@ def _check_insert(silo: "Silo", insert: Insert) -> None:
     if low < -polygons.SAME:
         raise ValueError(f"the {insert.kind} reaches down to {low:g} m; it must not reach below the floor at 0")
     if outline[:, 1].max() >= silo.height_m:
+        high = outline[:, 1].max()
+        unit = "; are its lengths in mm?" if high > MILLIMETRES * silo.height_m else ""
         raise ValueError(
-            f"the {insert.kind} reaches up to {outline[:, 1].max():.4g} m; it must be below the surface of the "
-            f"fill at {silo.height_m} m"
+            f"the {insert.kind} reaches up to {high:.4g} m; it must be below the surface of the fill at "
+            f"{silo.height_m} m{unit}"
         )
     touching.check(silo, insert)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from taichi_silo.analysis.measure.surface_profile import SurfaceProfile
 from taichi_silo.mpm.noise_control import NoiseControl
-from taichi_silo.scene import fill_shape, known_limits
+from taichi_silo.scene import cell_sizes, fill_shape, known_limits
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation import gates
 from taichi_silo.simulation.clock import OPENED, Clock, Interval
@@ -159,6 +159,10 @@ def _advice(model: Model) -> str:
     if cells < known_limits.FEWEST_CELLS - 1e-6:
         size = 1e3 * scene.grid.cell_size_m * cells / known_limits.FEWEST_CELLS
         return f"the outlet is {cells:.3g} cells wide, and smaller cells ({size:.3g} mm) or a wider outlet help"
+    if scene.silo.inserts:
+        gap, between = min(known_limits.gaps(scene.silo), default=(math.inf, ""))
+        if gap < cell_sizes.narrowest_m(scene.silo):
+            return f"the gap of {1e3 * gap:.3g} mm between {between} is narrower than the outlet; a wider one helps"
     return "a wider outlet or smoother walls let it flow"
 
 

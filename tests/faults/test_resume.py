@@ -4,6 +4,7 @@ While a run goes on, a checkpoint is written at chosen moments, and some records
 at that moment would leave it. The copies are gone on with, and must become the folder of the run.
 """
 
+import json
 import shutil
 import subprocess
 from functools import partial
@@ -164,3 +165,16 @@ def test_the_film_of_a_run_that_was_stopped_and_killed_has_every_frame_once(tmp_
     for folder in (killed, stopped):
         assert_same(folder, tmp_path / "whole")  # byte by byte, film and all
     tried("faults survived", "film of a run killed or stopped, every frame once", 2)
+
+
+@pytest.mark.parametrize("left", ["{ no", None], ids=["damaged", "lost"])
+def test_a_run_whose_summary_is_gone_writes_it_once_more(left, tmp_path, tried):
+    folder = run(scene(), tmp_path / "whole")
+    file, tables = folder / "summary.json", [folder / name for name in ("forces.csv", "walls.csv")]
+    found, before = json.loads(file.read_text()), [table.read_bytes() for table in tables]
+    file.unlink() if left is None else file.write_text(left)
+    resume(folder)
+    again = json.loads(file.read_text())
+    assert again.pop("cost")["steps"] == found.pop("cost")["steps"] and again == found
+    assert [table.read_bytes() for table in tables] == before
+    tried("faults survived", "summary of a run that has ended, damaged or lost, written once more")

@@ -46,7 +46,8 @@ def scene(tables=COLUMN, **parts):
         ({"silo": {"surface_m": [[0.0, -0.1], [0.1, 0.2]]}}, ["y = -0.1 m", "0 or more"]),
         ({"silo": {"surface_m": [[0.0, 0.1], [0.1, 0.2]], "height_m": 0.3}}, ["height is 0.3 m", "0.2 m"]),
         ({"silo": {"surface_m": [[0.0, 0.1], [0.2, 0.2]], "inserts": [
-            {"kind": "cylinder", "width_m": 0.04, "bottom_m": 0.1, "position_m": 0.05}]}}, ["insert 1", "covered by"]),
+            {"kind": "cylinder", "width_m": 0.04, "bottom_m": 0.1, "position_m": 0.05}]}},
+            ["insert 1", "x = 0.05", "up to 0.14 m", "must be covered"]),
         ({"silo": {"surface_m": [[0.0, 0.1], [0.2, 0.2]], "half": "yes"}}, ["half is yes", "not symmetric"]),
         ({"sand": {"layers": [{"from_m": 0.2, "void_ratio": 0.4}]}}, ["layer from 0.2 m", "is 0.4", "e_d0 = 0.51"]),
         ({"sand": {"layers": [{"from_m": 0.9, "void_ratio": 0.8}]}}, ["0.9 m", "height of 0.5 m"]),

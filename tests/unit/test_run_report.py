@@ -269,6 +269,14 @@ def test_a_damaged_file_is_named_and_left_out(copy, name, content):
     assert f"{name.rpartition('/')[2]} is damaged and was left out." in outline(copy).words
 
 
+def test_forces_whose_rows_are_lost_are_named(copy):
+    forces = pd.read_csv(copy / "forces.csv")
+    changed_summary(copy, records=len(forces))
+    assert "rows are lost" not in outline(copy).words
+    forces.head(30).to_csv(copy / "forces.csv", index=False)
+    assert f"forces.csv has 30 of the {len(forces)} records of the run" in outline(copy).words
+
+
 @pytest.mark.parametrize(("name", "films", "images"), [("void_ratio.mp4", 0, 4), ("figures/forces.png", 1, 4)])
 def test_a_film_or_a_figure_that_was_cut_off_is_left_out(copy, name, films, images):
     file = copy / name

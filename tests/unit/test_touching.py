@@ -1,5 +1,7 @@
 """Bodies that touch a wall or the floor: what of their outline meets sand, and what is refused."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -8,6 +10,7 @@ from taichi_silo.mpm.walls import Coulomb, Surface
 from taichi_silo.scene import known_limits, touching
 from taichi_silo.scene.scene import Mesh, Scene
 from taichi_silo.scene.silo import Insert, Silo
+from taichi_silo.simulation import outflow
 from taichi_silo.simulation.discretise import Section, surfaces_of
 from taichi_silo.utils.schema import one_sentence
 
@@ -131,3 +134,13 @@ def test_one_pair_of_brackets_too_few_is_told():
     with pytest.raises(ValidationError) as error:
         Scene(silo={"inserts": {"kind": "roof", "width_m": 0.06, "bottom_m": 0.1}})
     assert "each table of which begins with [[silo.inserts]]" in one_sentence(error.value)
+
+
+@pytest.mark.parametrize(
+    ("inserts", "advice"),
+    [((Insert(kind="roof", width_m=0.16, bottom_m=0.1),), "the gap of 20 mm between insert 1 and the walls or the"),
+     ((), "a wider outlet or smoother walls")],
+)  # fmt: skip
+def test_sand_that_bridges_a_body_is_told_of_the_gap(inserts, advice):
+    scene = Scene(silo=Silo(outlet={"width_m": 0.1}, inserts=inserts), grid=Mesh(cell_size_m=0.01))
+    assert outflow._advice(SimpleNamespace(scene=scene)).startswith(advice)

@@ -211,7 +211,8 @@ class Summary(Observer):
         """State after filling, peaks in flow (means over one period) and residual state."""
         period = self.simulation.scene.output.records_per_period
         filling, flow = records[records.stage == "filling"], records[records.stage == "flow"]
-        found = {"weight_N_per_m": self.simulation.model.mass * self.simulation.model.gravity}
+        weight = self.simulation.model.mass * self.simulation.model.gravity
+        found = {"records": len(records), "weight_N_per_m": weight}
         if not filling.empty:
             found["filling"] = _means(at_rest(filling, period))
         if len(flow) < period:

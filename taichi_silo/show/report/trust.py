@@ -65,6 +65,7 @@ REMEDIES = {  # of what is outside of its limit
     "noise of N": "a smaller flow.speed_m_per_s helps, and a greater method.filling_time_s",
     "unexplained densification": 'method.noise_control = "column" and a greater method.filling_time_s help',
 }
+FOUR = {"at rest before flow": "four points a cell, the default where walls cut cells, come to rest"}
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,8 @@ def verdict(run: Result) -> Verdict:
         return Verdict("care", "The flow has jammed", f"{jam} {sentence(count)}".strip(), checks)
     if wrong:
         title = "To be read with care"
-        told = [f"{name} ({REMEDIES[name]})" if name in REMEDIES else name for name in wrong]
+        remedies = REMEDIES | (FOUR if run.scene.silo.cuts_cells and run.scene.grid.points_per_cell == 1 else {})
+        told = [f"{name} ({remedies[name]})" if name in remedies else name for name in wrong]
         return Verdict("care", title, sentence(f"{count}; outside: {', '.join(told)}"), checks)
     if not judged:
         return Verdict("bad", "No certificate", "The summary holds none of its numbers.", checks)
