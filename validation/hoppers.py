@@ -41,7 +41,7 @@ CASES = {  # silo, points a cell, how far the sand sinks [m]
     "cylinder": (Silo(section="round"), 1, 0.25 * DISPLACEMENT_M),
     "cylinder, outlet of 80 mm": (Silo(section="round", outlet=Outlet(width_m=0.08)), 1, DISPLACEMENT_M),
 }
-BODIES = ("hopper_right", "insert_1")
+BODIES = ("hopper_left", "hopper_right"), ("insert_1",)
 
 
 def hoppers(output: Annotated[Path, Option(help="folder; one subfolder a run")] = Path("outputs/hoppers")):
@@ -72,10 +72,11 @@ def rows(name: str, run: Result) -> list[dict]:
         when = "filled" if state == "filling" else f"u = {1e3 * run.scene.flow.displacement_m:g} mm"
         row = {"silo": name, "state": when} | {letter: 1e-3 * means[letter] for letter in "PTN"}
         row["N_janssen"] = 1e-3 * run.summary["janssen"]["normal_N_per_m_K0"]
-        for body in BODIES:
-            if f"{body}_vertical_N_per_m" in means:
-                row["sideways"] = 1e-3 * abs(means[f"{body}_horizontal_N_per_m"])
-                row["upwards"] = 1e-3 * means[f"{body}_vertical_N_per_m"]
+        row["N_lesser"], row["N_greater"] = sorted(1e-3 * means[f"{side}_normal_N_per_m"] for side in ("left", "right"))
+        for bodies in BODIES:
+            if f"{bodies[0]}_vertical_N_per_m" in means:
+                row["sideways"] = 1e-3 * np.mean([abs(means[f"{body}_horizontal_N_per_m"]) for body in bodies])
+                row["upwards"] = 1e-3 * np.mean([means[f"{body}_vertical_N_per_m"] for body in bodies])
         if f"walker_{walker}" in theory:
             known = theory[f"walker_{walker}"]
             row["P_walker"], row["upwards_walker"] = (
