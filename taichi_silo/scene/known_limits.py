@@ -201,6 +201,16 @@ def _of_outlet(scene: Scene) -> list[str]:
             "Sand that flows across a grid that stands still, with one point a cell, carries stripes of two cells in "
             "void ratio and stress."
         )
+    if (
+        scene.silo.hopper is not None
+        and not scene.sand.loose
+        and scene.characteristic_length_m < scene.grid.cell_size_m
+    ):
+        found.append(
+            "Dense sand leaves a steep hopper in bands from wall to wall that set out from one wall at a time, which is "
+            "chance: N of left and right wall may differ threefold, and their mean by a seventh from grid to grid. "
+            f"With a characteristic length of a cell ({1e3 * scene.grid.cell_size_m:g} mm) there are no bands."
+        )
     if scene.silo.hopper is not None or scene.silo.inserts:
         found.append("On inclined walls single rows of the grid mean little; means over a quarter of the width do.")
     return found

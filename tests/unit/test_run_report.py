@@ -394,6 +394,10 @@ def test_known_limits_are_those_of_the_kind_of_run(tmp_path):
     smooth = written(tmp_path / "smooth", Scene(walls={"kind": "smooth", "friction_angle_deg": 19.0}))
     (words,) = [one for one in known_limits.of_results(smooth.scene) if "fidelity" not in one]
     assert "no length of its own on this grid" in words
+    dense = Scene(silo=Silo(hopper=Hopper(half_angle_deg=15.0, outlet_width_m=0.1)), grid=Mesh(cell_size_m=0.01))
+    advised = dense.model_copy(update={"averaging": Averaging(characteristic_length_m=0.01)})
+    assert any("bands from wall to wall" in words and "(10 mm)" in words for words in known_limits.of_results(dense))
+    assert not any("bands from wall to wall" in words for words in known_limits.of_results(advised))
 
 
 def test_a_run_without_anything_has_no_key_numbers_but_a_page(tmp_path):
