@@ -207,8 +207,8 @@ def _of_outlet(scene: Scene) -> list[str]:
         and scene.characteristic_length_m < scene.grid.cell_size_m
     ):
         found.append(
-            "Dense sand leaves a steep hopper in bands from wall to wall that set out from one wall at a time, which is "
-            "chance: N of left and right wall may differ threefold, and their mean by a seventh from grid to grid. "
+            "Dense sand leaves a steep hopper in bands from wall to wall that set out from one wall at a time, which "
+            "is chance: N of left and right wall may differ threefold, and their mean by a seventh from grid to grid. "
             f"With a characteristic length of a cell ({1e3 * scene.grid.cell_size_m:g} mm) there are no bands."
         )
     if scene.silo.hopper is not None or scene.silo.inserts:
