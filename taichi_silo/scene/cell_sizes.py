@@ -52,6 +52,11 @@ def narrowest_m(silo: "Silo") -> float:
     return min(one.width for one in silo.openings)
 
 
+def widest_m(silo: "Silo") -> float:
+    """Width of the widest outlet [m]."""
+    return max(one.width for one in silo.openings)
+
+
 def narrow_outlet(silo: "Silo", cell_m: float) -> bool:
     """Whether the narrowest outlet is so few cells wide that with one point in each far too little sand falls out."""
     return narrowest_m(silo) < WIDE_OUTLET * cell_m * (1.0 - 1e-9)

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from taichi_silo.mpm.shapes import SHAPES
-from taichi_silo.scene.cell_sizes import WIDE_OUTLET, narrowest_m
+from taichi_silo.scene.cell_sizes import WIDE_OUTLET, narrowest_m, widest_m
 from taichi_silo.scene.fidelity import like, measured
 from taichi_silo.scene.flow import slow_speed_m_per_s
 from taichi_silo.scene.scene import Scene
@@ -82,11 +82,16 @@ def of_method(scene: Scene) -> list[str]:
                 "on both of its sides shares nodes, and drags itself along through it."
             )
     found += _narrow_gaps(scene)
+    if scene.flow.outflow == "controlled" and scene.silo.has_opening and cells < FEWEST_CELLS - 1e-6:
+        fine_mm = 1e3 * scene.grid.cell_size_m * cells / FEWEST_CELLS
+        found.append(
+            f"The outlet is {cells:.3g} cells wide: less sand follows the gate than on a fine grid, or it jams; "
+            f"{FEWEST_CELLS} cells or more would do, as with a cell size of {fine_mm:.3g} mm."
+        )
     if scene.flow.outflow == "controlled" and not has_pattern(scene):
-        left, right = scene.silo.outlet_m
         found.append(
             f"The gate sinks by {1e3 * scene.flow.displacement_m:.3g} mm: until it has sunk by a twentieth of the "
-            f"outlet's width ({1e3 * BEGUN * (right - left):.3g} mm) sand only loosens, and no flow pattern is "
+            f"outlet's width ({1e3 * BEGUN * widest_m(scene.silo):.3g} mm) sand only loosens, and no flow pattern is "
             "told; a greater flow.displacement_m gives one."
         )
     return found
@@ -118,9 +123,8 @@ def gaps(silo: Silo) -> Iterator[tuple[float, str]]:
 
 def has_pattern(scene: Scene, displacement_m: float | None = None) -> bool:
     """Whether so much has left at a displacement, or the scene's own, that the flow has a pattern."""
-    left, right = scene.silo.outlet_m
     sunk = scene.flow.displacement_m if displacement_m is None else displacement_m
-    return not scene.silo.has_opening or sunk >= BEGUN * (right - left) * (1.0 - 1e-9)
+    return not scene.silo.has_opening or sunk >= BEGUN * widest_m(scene.silo) * (1.0 - 1e-9)
 
 
 def cells_across_outlet(scene: Scene) -> float:
@@ -193,9 +197,7 @@ def of_results(scene: Scene) -> list[str]:
 
 
 def _of_outlet(scene: Scene) -> list[str]:
-    found, cells = [], cells_across_outlet(scene)
-    if cells < FEWEST_CELLS - 1e-6:
-        found.append(f"The outlet is {cells:.3g} cells wide; it should be {FEWEST_CELLS} cells or more.")
+    found = []
     if scene.grid.points_per_cell == 1:
         found.append(
             "Sand that flows across a grid that stands still, with one point a cell, carries stripes of two cells in "

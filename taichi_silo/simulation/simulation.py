@@ -109,14 +109,16 @@ class Simulation:
         if self.discharge is None or self.scene.flow.outflow == "collapse":
             return
         if self.scene.flow.outflow == "controlled":
-            jam = outflow.hangs(self.model, self.clock.displacement, self.discharged)
+            words, jammed = outflow.lags(self.model, self.clock, self.discharged)
         else:
             self.clock.ended = outflow.why_ended(self.model, self.clock)
             rests = self.clock.ended == "rest"
-            jam = outflow.jam(self.model, self.above_opening / self.model.mass) if rests else ""
-        if jam:
+            words = outflow.jam(self.model, self.above_opening / self.model.mass) if rests else ""
+            jammed = bool(words)
+        if jammed:
             self.clock.ended = "jam"
-            self.warnings.append(jam)
+        if words:
+            self.warnings.append(words)
 
     def advance(self, interval: Interval) -> Record:
         """Compute an interval."""

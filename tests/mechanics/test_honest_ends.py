@@ -68,9 +68,9 @@ def test_a_gate_that_has_hardly_sunk_makes_no_flow_pattern(monkeypatch):
     """All sand sinks a little while it loosens: that is no mass flow."""
     outlet = Silo(outlet=Outlet(width_m=0.1))
     short, long = (smallest(silo=outlet, flow=Flow(speed_m_per_s=0.04, displacement_m=way)) for way in (0.0045, 0.0055))
-    (words,) = known_limits.of_method(short)
-    assert "4.5 mm" in words and "(5 mm)" in words and "no flow pattern" in words
-    assert known_limits.of_method(long) == []
+    few, words = known_limits.of_method(short)
+    assert "2 cells wide" in few and "4.5 mm" in words and "(5 mm)" in words and "no flow pattern" in words
+    assert known_limits.of_method(long) == [few]
     assert known_limits.has_pattern(smallest(flow=Flow(displacement_m=1e-4))), "a floor that sinks takes all sand along"
     monkeypatch.setattr("taichi_silo.runs.flow_findings.zones_inside", lambda *states: {})
     for scene, has in ((short, False), (long, True)):

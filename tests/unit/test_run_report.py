@@ -382,7 +382,8 @@ def test_known_limits_are_those_of_the_kind_of_run(tmp_path):
     assert any("not converged" in words for words in known_limits.of_results(local))
     scene = Scene(silo=Silo(outlet=Outlet(width_m=0.06)), grid=Mesh(cell_size_m=0.01), flow=Flow(speed_m_per_s=0.02))
     narrow = written(tmp_path / "narrow", scene)
-    assert any("6 cells wide" in words for words in known_limits.of_results(narrow.scene))
+    (words,) = known_limits.of_method(narrow.scene)
+    assert "6 cells wide: less sand follows the gate" in words and "a cell size of 6 mm." in words
     assert any("driven at 20 mm/s" in words for words in known_limits.of_results(narrow.scene))
     falling = scene.model_copy(update={"flow": Flow(outflow="gravity")})
     (words,) = known_limits.of_method(falling)
@@ -390,7 +391,13 @@ def test_known_limits_are_those_of_the_kind_of_run(tmp_path):
     more = falling.model_copy(update={"grid": Mesh(cell_size_m=0.01, points_per_cell=4)})
     (words,) = known_limits.of_method(more)
     assert "6 cells wide: sand falls out at 95%" in words and "a cell size of 6 mm." in words
-    assert not known_limits.of_method(scene)
+    wide = Scene(silo=Silo(outlet=Outlet(width_m=0.1)), grid=Mesh(cell_size_m=0.01))
+    assert not known_limits.of_method(wide)
+    two = tuple(Outlet(width_m=0.1, position=x) for x in (0.06, 0.34))  # a twentieth of one of them is 5 mm
+    for sunk, told in ((0.0045, 1), (0.0055, 0)):
+        silo, flow = Silo(width_m=0.4, outlet=two), Flow(speed_m_per_s=0.01, displacement_m=sunk)
+        pair = Scene(silo=silo, grid=Mesh(cell_size_m=0.01), flow=flow)
+        assert sum("no flow pattern" in words for words in known_limits.of_method(pair)) == told
     smooth = written(tmp_path / "smooth", Scene(walls={"kind": "smooth", "friction_angle_deg": 19.0}))
     (words,) = [one for one in known_limits.of_results(smooth.scene) if "fidelity" not in one]
     assert "no length of its own on this grid" in words
