@@ -1,14 +1,16 @@
-"""What nodes feel of a pattern of point stresses, and how it is left when shares of the pattern are taken.
+"""What nodes feel of a pattern of point stresses, and how it is taken out of the pattern.
 
-Nodes feel of stresses s_p d_p, shares s of a pattern d, the forces f_i = sum_p V_p s_p d_p grad S_ip. The nearest to
-them that nodes do not feel, by least squares with the weights V_p / s_p, is
+Nodes feel of a pattern d the forces f_i = sum_p V_p d_p grad S_ip. The nearest pattern that they do not feel, by least
+squares weighted with the volumes, is
 
-    s_p (d_p - (B w)_p),   (B w)_p = sym sum_i w_i (x) grad S_ip,   K w = f
+    d_p - (B w)_p,   (B w)_p = sym sum_i w_i (x) grad S_ip,   K w = f
 
-K being the stiffness of an elastic body whose unit stiffness the shares reduce, and w its displacements under the
-forces f. A point without a share keeps its stress, and the operator is symmetric, so that nothing grows by being
-filtered again and again (with equal weights some of what is taken would be put on points without a share). Conjugate
-gradients find w; all nodes stand on a soft bed, which leaves those alone that hardly touch sand.
+B w is the stress of an elastic body of unit stiffness under the forces f, K its stiffness. Conjugate gradients find w;
+all nodes stand on a soft bed, which leaves those alone that hardly touch sand.
+
+With d = s q, shares s of the patterns q, taking that is the change of the stresses nearest to -q where s is 1 and to 0
+where it is 0: of all changes that no node feels it makes sum V (s |change + q|^2 + (1 - s) |change|^2) least. So sand
+that is not sheared gives a little way to its neighbours.
 """
 
 import copy
@@ -31,9 +33,8 @@ from taichi_silo.mpm.patch_passes import NOWHERE, TURNS
 from taichi_silo.mpm.simd.store import STRIPS
 from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight
 
-LEFT = 0.02  # of the forces, weighted by the nodes' stiffness, at which conjugate gradients stop,
+LEFT = 0.05  # of the forces, weighted by the nodes' stiffness, at which conjugate gradients stop,
 STEPS = 40  # or after so many steps
-SHARE = 6  # slot of a point's share
 BED = 1e-7  # stiffness of the bed, of that of the stiffest node
 
 
@@ -46,7 +47,7 @@ class Given(NamedTuple):
 
 @ti.data_oriented
 class FeltPart:
-    """Takes it out of what stands in an array of eight, a row a point: its pattern, place and share.
+    """Takes it out of what stands in an array of eight, a row a point (see `PatchPasses`).
 
     The grid must stand still and have no axis of symmetry.
     """
@@ -61,12 +62,8 @@ class FeltPart:
         self.lists: Any = CellLists(particles, self.grid, shape) if self.shared else None
         self.layout: Any = None  # of the vector unit
 
-    def take_out(self, points: ti.Ndarray, first: float = 0.0) -> float:
-        """Take from the patterns in `points` what nodes would feel of their shares.
-
-        Returns the square of the forces at first. Where shares have become less since, it can be done again; then
-        conjugate gradients stop by the forces that were there `first`.
-        """
+    def take_out(self, points: ti.Ndarray) -> None:
+        """Leave of the patterns in `points` what nodes do not feel."""
         if self.shared:
             self.lists.fill(0)
         rest = self._forces(points, False)
@@ -75,8 +72,7 @@ class FeltPart:
         bed = BED * weight.max()
         per_weight = 1.0 / (weight + bed + 1e-300)[:, None]
         w, along, last = 0.0 * rest, 0.0 * rest, 1.0
-        size = float((rest * per_weight * rest).sum())
-        first = max(first, size)
+        size = first = float((rest * per_weight * rest).sum())
         for _ in range(STEPS):
             if size <= LEFT**2 * first:
                 break
@@ -89,7 +85,6 @@ class FeltPart:
             last, size = size, float((rest * per_weight * rest).sum())
         put(self.grid.velocity, w)
         self._take(points)
-        return first
 
     def _forces(self, points: ti.Ndarray, strained: bool) -> np.ndarray:
         """Forces (node, 2) of the patterns, or of the strains of what stands in `velocity`."""
@@ -140,14 +135,13 @@ class FeltPart:
     @ti.func
     def _give(self, store: ti.template(), p, t, step, given: ti.template()):
         """What point p gives to its nodes: the force of its strain, or of its pattern and its part of the traces."""
-        share = given.points[p][SHARE]
-        if given.points[p][5] > NOWHERE and share > 0.0:
+        if given.points[p][5] > NOWHERE:
             pattern = given.points[p]
             xx, yy, zz, xy = pattern[0], pattern[1], pattern[2], pattern[3]
             if ti.static(given.strained):
                 xx, yy, zz, xy = self._strain(p)
-            weight = share * store.read("volume", p)
-            per_dx, per_dy, per_x = 1.0 / self.grid.cell_size, 1.0 / self.grid.cell_height(0), 0.0 * weight
+            volume = store.read("volume", p)
+            per_dx, per_dy, per_x = 1.0 / self.grid.cell_size, 1.0 / self.grid.cell_height(0), 0.0 * volume
             if ti.static(self.geometry.HOOP):
                 per_x = 1.0 / store.read("position", p)[0]
             for patch in ti.static(store.patches()):
@@ -157,6 +151,6 @@ class FeltPart:
                         k = self.grid.node(ti.cast(i, ti.i32) + a, ti.cast(j, ti.i32) + b)
                         s, dx, dy = sx[a] * sy[b] * per_x, gx[a] * sy[b] * per_dx, sx[a] * gy[b] * per_dy
                         force = ti.Vector([dx * xx + dy * xy + s * zz, dx * xy + dy * yy])
-                        store.add(self.grid.force, k, weight * force)
+                        store.add(self.grid.force, k, volume * force)
                         if ti.static(not given.strained):
-                            store.add(self.grid.mass, k, weight * (dx * dx + dy * dy + s * s))
+                            store.add(self.grid.mass, k, volume * (dx * dx + dy * dy + s * s))

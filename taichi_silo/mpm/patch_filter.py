@@ -34,7 +34,7 @@ import numpy as np
 
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import Barrier, Phase
-from taichi_silo.mpm.felt_part import SHARE, FeltPart
+from taichi_silo.mpm.felt_part import FeltPart
 from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
@@ -47,11 +47,8 @@ from taichi_silo.mpm.simd.vectors import arrays_of_eight, eight
 
 STRAIN = 3e-4  # over which a pattern falls to 1 / e
 FORGETS = 0.02  # l: path of the strain, over which sand forgets its stress
-TURN = 3e-3  # of a cell: way of the fastest point between two turns of the filter,
-RARER = 1e-2  # or, if what nodes feel stays, which costs as much as a dozen steps
+TURN = 3e-3  # of a cell: way of the fastest point between two turns of the filter
 MOST_STEPS = 2000  # between them
-MARGIN = 2.0  # a point keeps its stress if so many times what would be taken of it would leave no admissible one,
-ROUNDS = 2  # or if less does, once it is known what nodes would feel
 FINITE = 1e30  # a larger stress [Pa] is none
 
 
@@ -74,7 +71,6 @@ class PatchFilter:
         self, particles: Particles, grid: Grid, law: Law, mirrored: bool = False, felt: FeltPart | None = None
     ):
         self.felt, self.waits = felt, felt is not None  # for flow
-        self.turn_after = RARER if felt else TURN
         self.particles, self.grid, self.law = particles, grid, law
         self.path = ti.field(real, shape=particles.count)  # of the strain at the last turn
         self.ACTIVE = self.BETWEEN_LAUNCHES = getattr(law, "FORGETS", True)
@@ -110,14 +106,14 @@ class PatchFilter:
     def steps_within(self, speed_m_per_s: float, dt: float) -> int:
         """How many steps at this speed may pass before the next turn."""
         way = speed_m_per_s * dt / self.grid.cell_size
-        return max(1, int(min(MOST_STEPS - self.steps, (self.turn_after - self.way) / (way + 1e-300) + 1e-6)))
+        return max(1, int(min(MOST_STEPS - self.steps, (TURN - self.way) / (way + 1e-300) + 1e-6)))
 
     def passed(self, steps: int, speed_m_per_s: float, dt: float) -> None:
         """So many steps have passed; a turn if it is due."""
         self.steps += steps
         self.way += steps * speed_m_per_s * dt / self.grid.cell_size
         next_way = speed_m_per_s * dt / self.grid.cell_size
-        if self.steps >= MOST_STEPS or self.way + next_way > self.turn_after * (1.0 + 1e-6):
+        if self.steps >= MOST_STEPS or self.way + next_way > TURN * (1.0 + 1e-6):
             self.turn()
             self.way, self.steps = 0.0, 0
 
@@ -137,12 +133,7 @@ class PatchFilter:
         self.passes.run()
         self._weigh(self.passes.points)
         if self.felt:
-            self._refused(self.passes.points, MARGIN)
-            forces = 0.0
-            for _ in range(ROUNDS):
-                forces = self.felt.take_out(self.passes.points, forces)
-                if not self._refused(self.passes.points, 1.0):
-                    break
+            self.felt.take_out(self.passes.points)
         self._take_out(self.passes.points)
 
     # --- fields, whose components cannot be had where vectors stay vectors of the processor ------------------------
@@ -171,33 +162,16 @@ class PatchFilter:
             if points[p][5] > NOWHERE:
                 s = self.particles.stress[p]
                 share *= room(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), self._void_ratio(p))
-                points[p][SHARE] = share
-
-    @ti.kernel
-    def _refused(self, points: arrays_of_eight, times: real) -> real:
-        """Number of points that so many times their share would pull; they keep their stress from now on."""
-        count = 0.0
-        for p in range(self.particles.places()):
-            if self.particles.is_there(p) and points[p][5] > NOWHERE and points[p][SHARE] > 0.0:
-                r0, r1, r2, r3 = self._rest(points, p, times)
-                a0, a1, a2, a3 = admissible(self.law, self.particles, p, (r0, r1, r2, r3), self._void_ratio(p))
-                if a0 != r0 or a1 != r1 or a2 != r2 or a3 != r3:
-                    points[p][SHARE] = 0.0
-                    count += 1.0
-        return count
+                for c in ti.static(range(4)):
+                    points[p][c] *= share
 
     @ti.kernel
     def _take_out(self, points: arrays_of_eight):
         for p in range(self.particles.places()):
             if self.particles.is_there(p) and points[p][5] > NOWHERE:
-                rest = self._rest(points, p, 1.0)
+                s, out = self.particles.stress[p], points[p]
+                rest = s[0] - out[0], s[1] - out[1], s[2] - out[2], s[3] - out[3]
                 self.particles.write("stress", p, admissible(self.law, self.particles, p, rest, self._void_ratio(p)))
-
-    @ti.func
-    def _rest(self, points: ti.template(), p, times):
-        """Stress of point p less so many times its share of the pattern."""
-        s, out, share = self.particles.stress[p], points[p], times * points[p][SHARE]
-        return s[0] - share * out[0], s[1] - share * out[1], s[2] - share * out[2], s[3] - share * out[3]
 
     @ti.func
     def _void_ratio(self, p):

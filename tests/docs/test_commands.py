@@ -96,8 +96,8 @@ def test_the_silo_of_the_tutorial_is_possible(tmp_path, monkeypatch, capsys):
     with pytest.raises(SystemExit) as ended:
         app.main()
     assert not ended.value.code
-    possible, cost = capsys.readouterr().out.splitlines()
-    assert possible == "silo.toml is a possible scene: 3,466 points, 1327 N/m of sand"
+    possible, few, cost = capsys.readouterr().out.splitlines()
+    assert "8 cells wide" in few and possible == "silo.toml is a possible scene: 3,466 points, 1327 N/m of sand"
     assert re.fullmatch(r"3,466 points, about [\d,]+ steps: some \d+:\d\d minutes of stepping", cost)
 
 
