@@ -193,8 +193,8 @@ def _moved(silo: "Silo", size_m: float, about: str = "") -> str:
     are, could, wide = (", ".join(f"{one:.9g}" for one in lengths) for lengths in (edges(silo), places, widths))
     what = "column" if silo.column_m is not None else "outlet" if len(widths) == 1 else "outlets"
     return (
-        f"no cells{about} have lines at {are} m, the edges of the {what}, but cells of {size_m:.9g} m have lines at {could} m "
-        f"(a width of {wide} m)"
+        f"no cells{about} have lines at {are} m, the edges of the {what}, but cells of {size_m:.9g} m have lines at "
+        f"{could} m (a width of {wide} m)"
     )
 
 
