@@ -238,6 +238,14 @@ def test_the_verdict_follows_the_certificate(copy):
     assert "balance of forces" in wrong.words
 
 
+def test_that_the_flow_has_jammed_is_said_once(copy):
+    jam = "The flow has jammed: the gate has sunk by 20 mm; give it a wider outlet."
+    changed_summary(copy, ledger={"outflow_ended": "jam"}, warnings=[jam])
+    said = verdict(Result(copy))
+    assert said.title == "The flow has jammed"
+    assert said.words.startswith("The gate has sunk by 20 mm; give it a wider outlet. ")
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
