@@ -82,7 +82,7 @@ def main() -> None:
     """Run the program, with no more than the command that is asked for: each takes time to make."""
     words = plugins_first(sys.argv[1:])
     asked = next((word for word in words if word in COMMANDS), None)
-    serve(make([asked] if asked else COMMANDS), "taichi-silo", words)
+    serve(make([asked] if asked else COMMANDS), "taichi-silo", words, of_run=asked == "run")
 
 
 if __name__ == "__main__":

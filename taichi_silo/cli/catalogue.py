@@ -53,6 +53,6 @@ def script(name: str) -> Path:
     wanted = name.replace("-", "_")
     if wanted not in known:
         meant = near(wanted, known)
-        hint = f"did you mean {meant}" if meant else f"the scenarios are {', '.join(sorted(known))}"
+        hint = f"did you mean {meant}?" if meant else f"the scenarios are {', '.join(sorted(known))}"
         raise BadInput(f"scenario is {shown(name)}; it must be a TOML file or a scenario: {hint}")
     return known[wanted]

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 import typer
 
 from taichi_silo.errors import BadInput, MachineFailed, RunFailed, Stopped
-from taichi_silo.utils import streams
+from taichi_silo.utils import signals, streams
 from taichi_silo.utils.bounded_reading import place
 from taichi_silo.utils.console import Console
 from taichi_silo.utils.machine_faults import of_machine
@@ -26,7 +26,7 @@ def command(function: Callable, arguments: Sequence[str] | None = None, name: st
 
     Bad input ends with exit code 2, a failed run or machine with 1. The words are the process's if none are given.
     """
-    serve(app_of(function), name or Path(sys.argv[0]).name, arguments)
+    serve(app_of(function), name or Path(sys.argv[0]).name, arguments, of_run=True)
 
 
 def app_of(function: Callable) -> typer.Typer:
@@ -38,9 +38,15 @@ def app_of(function: Callable) -> typer.Typer:
     return app
 
 
-def serve(app: typer.Typer, name: str, arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run an app of a name; it ends the process with the exit code, after one sentence if something is wrong."""
+def serve(
+    app: typer.Typer, name: str, arguments: Sequence[str] | None = None, of_run: bool = False
+) -> NoReturn:  # fmt: skip
+    """Run an app of a name; it ends the process with the exit code, after one sentence if something is wrong.
+
+    `of_run`: whether its command is one run, of which nothing is left before it hears signals.
+    """
     streams.last()
+    times = signals.times
     words = list(sys.argv[1:] if arguments is None else arguments)
     for one in app.registered_commands:
         one.callback = one.callback and _stopping(one.callback)
@@ -60,7 +66,8 @@ def serve(app: typer.Typer, name: str, arguments: Sequence[str] | None = None) -
     except RunFailed as error:
         _stop(f"the run went wrong {error}; everything up to then is kept", FAILED)
     except (KeyboardInterrupt, typer.Abort):
-        _stop("stopped; everything up to then is kept", STOPPED)
+        begun = not of_run or signals.times > times
+        _stop("stopped; everything up to then is kept" if begun else signals.BEFORE, STOPPED)
     except Exception as error:
         if wrong := _bad_value(error):
             _stop(wrong, BAD_INPUT)

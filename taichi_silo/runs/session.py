@@ -22,9 +22,8 @@ from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.simulation import Simulation
 from taichi_silo.utils import bounded_reading, checked_npz, file_lock
 from taichi_silo.utils.machine_faults import of_machine
-from taichi_silo.utils.signals import Stops, heard
+from taichi_silo.utils.signals import BEFORE, Stops, heard
 
-BEFORE = "stopped before the run had begun; there is nothing of it to go on from"
 STILL = "stopped before the run went on; nothing has changed, and `%s` goes on with it"
 DRAWING = "stopped while film and figures were drawn; all else is there, and `%s` draws them"
 

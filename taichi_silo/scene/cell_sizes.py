@@ -62,13 +62,16 @@ def narrow_outlet(silo: "Silo", cell_m: float) -> bool:
     return narrowest_m(silo) < WIDE_OUTLET * cell_m * (1.0 - 1e-9)
 
 
-def dividing(silo: "Silo", most: float) -> np.ndarray:
-    """Sizes [m], the largest first, that fit a silo, with at most so many cells across, and two or more each way."""
+def dividing(silo: "Silo", most: float, met: bool = True) -> np.ndarray:
+    """Sizes [m], the largest first, that fit a silo, with at most so many cells across, and two or more each way.
+
+    `met`: whether edges must lie on the grid.
+    """
     counts = np.arange(2, max(2, min(MOST, math.ceil(most))) + 1)
     counts = counts[counts % 2 == 0] if silo.section == "round" else counts  # the axis is a line of the grid
     sizes = silo.width_m / counts
     fits = (np.round(silo.height_m / sizes) >= 2) & (narrowest_m(silo) >= 2.0 * sizes * (1.0 - 1e-9))
-    for edge in edges(silo):
+    for edge in edges(silo) if met else ():
         fits &= whole(edge, sizes)
     return sizes[fits & (whole(silo.height_m, sizes) | (not square(silo)))]
 
@@ -118,13 +121,18 @@ def nearest(silo: "Silo", across: float) -> float | None:
     def off(sizes: np.ndarray) -> np.ndarray:
         return np.abs(np.log(silo.width_m / sizes / across))
 
-    sizes = dividing(silo, RANGE * across)
-    sizes = sizes[off(sizes) <= math.log(RANGE) + TOLERANCE]
+    sizes = _resolving(silo, across)
     if not len(sizes):
         return None
     close = sizes[off(sizes) <= math.log(FOR_SQUARES) + TOLERANCE]
     sizes = squares(silo, close) if len(close) else sizes
     return short(silo, float(sizes[np.argmin(off(sizes))]))
+
+
+def _resolving(silo: "Silo", across: float, met: bool = True) -> np.ndarray:
+    """Sizes [m] that fit a silo and make so many cells across within a factor of four; `met` as in `dividing`."""
+    sizes = dividing(silo, RANGE * across, met)
+    return sizes[silo.width_m / sizes >= across / RANGE * (1.0 - TOLERANCE)]
 
 
 def wanted_across(silo: "Silo") -> float:
@@ -134,6 +142,11 @@ def wanted_across(silo: "Silo") -> float:
 
 def remedy(silo: "Silo", size_m: float) -> str:
     """The sizes that fit nearest to one that does not, the largest first, in words; or where edges would fit."""
+    return f"{near} m would do" if (near := _nearest_sizes(silo, size_m)) else _others(silo, size_m)
+
+
+def _nearest_sizes(silo: "Silo", size_m: float) -> str:
+    """The sizes that fit nearest to one that does not, the largest first; empty if none does."""
 
     def awkward(size: float) -> tuple[bool, float]:
         many = len(f"{size:.12g}".replace(".", "").strip("0")) > DIGITS
@@ -141,10 +154,22 @@ def remedy(silo: "Silo", size_m: float) -> str:
 
     fitting = sorted(dividing(silo, MOST), key=lambda size: abs(math.log(size / size_m)))
     near = sorted({short(silo, float(size)) for size in fitting[: 10 * NAMED]}, key=awkward)[:NAMED]
-    if not near:
-        return _others(silo, size_m)
     words = [f"{size:.12g}" for size in sorted(near, reverse=True)]
-    return f"{' or '.join(filter(None, [', '.join(words[:-1]), words[-1]]))} m would do"
+    return " or ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))
+
+
+def unmet(silo: "Silo") -> str:
+    """That no cells which resolve a silo meet its edges, and where such would, in words; empty if some do.
+
+    Empty, too, where no such cells would fit without the edges.
+    """
+    across = wanted_across(silo)
+    sizes = _resolving(silo, across, met=False)
+    if not len(sizes) or len(_resolving(silo, across)):
+        return ""
+    size = float(sizes[np.argmin(np.abs(np.log(silo.width_m / sizes / across)))])
+    finer = _nearest_sizes(silo, size)
+    return _moved(silo, size, f" of about {size:.3g} m") + (f"; {finer} m would do, too" if finer else "")
 
 
 def _others(silo: "Silo", size_m: float) -> str:
@@ -156,10 +181,26 @@ def _others(silo: "Silo", size_m: float) -> str:
         )
     step = 2 if silo.section == "round" else 1
     count = max(2 * step, step * round(silo.width_m / size_m / step))
-    size = silo.width_m / count
-    are, could = (", ".join(f"{place:.9g}" for place in places) for places in (
-        edges(silo), (round(edge / size) * size for edge in edges(silo))))  # fmt: skip
-    return f"no cells have lines at {are} m, but cells of {size:.9g} m have lines at {could} m"
+    return _moved(silo, silo.width_m / count)
+
+
+def _moved(silo: "Silo", size_m: float, about: str = "") -> str:
+    """Where edges are, and where they would be met by cells of a size that divides the width, in words."""
+
+    def line(edge: float) -> float:
+        """The nearest one, counted from the nearer wall, so that what is symmetric stays so."""
+        low = edge <= 0.5 * silo.width_m
+        length = size_m * math.floor((edge if low else silo.width_m - edge) / size_m + 0.5 + TOLERANCE)
+        return length if low else silo.width_m - length
+
+    places = [line(edge) for edge in edges(silo)]
+    widths = [high - low for low, high in zip(places[::2], places[1::2], strict=True)]
+    are, could, wide = (", ".join(f"{one:.9g}" for one in lengths) for lengths in (edges(silo), places, widths))
+    what = "column" if silo.column_m is not None else "outlet" if len(widths) == 1 else "outlets"
+    return (
+        f"no cells{about} have lines at {are} m, the edges of the {what}, but cells of {size_m:.9g} m have lines at "
+        f"{could} m (a width of {wide} m)"
+    )
 
 
 def short(silo: "Silo", size_m: float) -> float:

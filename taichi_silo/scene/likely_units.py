@@ -11,12 +11,20 @@ FAR = {  # constant: its unit, how many times outside of the published sands it 
     "d50_m": ("m", 100.0, "mm"),
     "grain_density_kg_per_m3": ("kg/m3", 30.0, "kN/m3"),
 }
+LARGEST_M = 100.0  # of a silo: beyond any that was built
 RADIANS = 0.5 * math.pi  # angles of less degrees than this are likely in radians
 
 
 def of_scene(scene: Scene) -> list[str]:
     """One sentence for each value that is likely in another unit, with its unit and what is usual."""
-    return [*_of_sand(scene), *_angles(scene)]
+    return [*_of_silo(scene), *_of_sand(scene), *_angles(scene)]
+
+
+def _of_silo(scene: Scene) -> Iterator[str]:
+    for name in ("width_m", "height_m"):
+        length = getattr(scene.silo, name)
+        if length > LARGEST_M:
+            yield f"silo.{name} is {length:g} m; is it in mm? That would be {1e-3 * length:g} m."
 
 
 def _of_sand(scene: Scene) -> Iterator[str]:

@@ -65,6 +65,8 @@ class Mesh(Options):
     def check(self, silo: Silo) -> None:
         """Refuse cells that do not fit a silo, and name some that do."""
         h = self.cell_size_m
+        if "cell_size_m" in self.chosen and (words := cell_sizes.unmet(silo)):
+            raise ValueError(words)
         for name, length in (("width", silo.width_m), ("height", silo.height_m)):
             cells = length / h
             if cells > MOST_CELLS * (1.0 + 1e-6):

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from taichi_silo.errors import BadInput
 from taichi_silo.utils.messages import shown
+from taichi_silo.utils.number_words import with_comma, with_point
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,6 +29,7 @@ LONGEST_HEAD = 20_000  # bytes of the first line of a table
 KINDS = {stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket", stat.S_IFCHR: "a device",
          stat.S_IFBLK: "a device"}  # fmt: skip
 MISFITS = (ArithmeticError, AssertionError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
+AT_LINE = re.compile(r"at line (\d+)")
 QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 
 
@@ -91,7 +93,11 @@ def parsed(text: str) -> dict:
             raise ValueError(f"a name has {name.count('.') + 1} parts, at most {DEEPEST} make sense")
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError:
+    except tomllib.TOMLDecodeError as error:
+        at = AT_LINE.search(str(error))
+        line = text.splitlines()[int(at[1]) - 1] if at else ""
+        if at and (given := with_comma(line)):
+            raise ValueError(f"line {at[1]} has {given}; write {with_point(given)}, with a point") from error
         raise
     except RecursionError as error:
         raise ValueError("it is nested too deep") from error

@@ -9,6 +9,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, fie
 from pydantic_core import PydanticCustomError
 
 from taichi_silo.utils.messages import near, sentence, shown
+from taichi_silo.utils.number_words import with_point
+from taichi_silo.utils.unit_endings import in_known_unit
 
 TABLE, TABLES = "table", "tables"  # tags of a field that takes a table or an array of them
 LIMITS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
@@ -62,13 +64,16 @@ def one_sentence(error: ValidationError) -> str:
     """The first thing that is wrong, with the name, the value and what would be right."""
     errors = error.errors(include_url=False)
     first = errors[0]
+    if first["type"] == "missing":  # under another name, perhaps
+        others = (one for one in errors if one["type"] == "extra_forbidden" and one["loc"][:-1] == first["loc"][:-1])
+        first = next(others, first)
     kind, context = first["type"], first.get("ctx", {})
     if kind == "value_error":
         return sentence(first["msg"].removeprefix("Value error, "))
     names, options = _names(error.title, first["loc"])
     path = ".".join(names)
     if kind == "extra_forbidden":
-        return sentence(f"{path} is not a parameter of a scene{_hint(names, options)}")
+        return sentence(f"{path} is not a parameter of a scene{_hint(names, options, first['input'])}")
     if kind == "missing":
         return sentence(f"{path} is missing; it must be given")
     if kind in ("too_long", "too_short"):
@@ -78,6 +83,8 @@ def one_sentence(error: ValidationError) -> str:
     rule = _range(context, names, options) or " or ".join(dict.fromkeys(of_value))
     if rule == "be a list" and isinstance(first["input"], dict):
         rule += f", each table of which begins with [[{path}]]"
+    if "number" in rule and (right := with_point(first["input"])):
+        rule += f": write {right}, with a point"
     return sentence(f"{_short(names, options)} is {shown(first['input'])}; it must {rule}")
 
 
@@ -121,9 +128,10 @@ def _all_options(kind: type[Options]) -> Iterator[type[Options]]:
         yield from _all_options(one)
 
 
-def _hint(names: list[str], options: type[Options] | None) -> str:
+def _hint(names: list[str], options: type[Options] | None, value: Any) -> str:
+    """What was perhaps meant by a name that is not known, and by its value if the name ends in another unit."""
     known = list(options.model_fields) if options is not None else []
-    meant = near(names[-1], known, 0.4)
+    meant = in_known_unit(names[-1], value, known) or near(names[-1], known, 0.4)
     before = "".join(f"{name}." for name in names[:-1])
     if meant:
         return f"; did you mean {before}{meant}?"

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator
 
 from taichi_silo.errors import Stopped
 
+BEFORE = "stopped before the run had begun; there is nothing of it to go on from"
+
 
 class Stops:
     """Signals that have come, and whether they take effect at once."""
@@ -46,6 +48,7 @@ class Stops:
 
 
 _first: Stops | None = None  # what hears the signals now
+times = 0  # how often a block has begun to hear them, which runs do first of all
 
 
 @contextlib.contextmanager
@@ -54,7 +57,8 @@ def heard() -> Iterator[Stops]:
 
     A block within another one, or begun while another goes on, hears what that one hears.
     """
-    global _first
+    global _first, times
+    times += 1
     if threading.current_thread() is not threading.main_thread():
         yield Stops()
         return

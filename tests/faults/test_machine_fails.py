@@ -223,6 +223,13 @@ def test_an_ffmpeg_that_dies_costs_the_film_and_is_not_waited_for(tmp_path, film
     tried("faults survived", "ffmpeg dying midway", 1)
 
 
+def test_of_a_disk_that_is_full_ffmpeg_says_nothing_on_the_terminal(tmp_path, capfd):
+    frames = np.random.default_rng(0).integers(0, 256, (20, 240, 320, 3), np.uint8)
+    with Disk(tmp_path / "disk", 1 << 14) as disk, pytest.raises(FilmError, match="as when a disk is full"):
+        encoder.encode(disk.place / "film.mp4", frames)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_an_ffmpeg_that_dies_at_the_very_end_is_noticed(tmp_path, monkeypatch, tried):
     def cut_off(file):
         return len(FRAMES), 0.1

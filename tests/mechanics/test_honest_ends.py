@@ -32,7 +32,8 @@ def test_a_free_outflow_that_jams_is_named_everywhere(tmp_path):
     (sentence,) = [words for words in summary["warnings"] if words.startswith("The flow has jammed")]
     assert "% of the sand stays in the silo and bridges the outlet" in sentence and "a wider outlet help" in sentence
     assert f"warning: {sentence}" in log and "ends: the flow has jammed; " in log
-    assert said.title == "The flow has jammed" and sentence in said.words and said.level == "care"
+    assert said.title == "The flow has jammed" and said.level == "care"
+    assert said.words.lower().startswith(sentence.lower().removeprefix("the flow has jammed: "))
 
 
 def test_a_gate_that_the_sand_does_not_follow_is_named_everywhere_and_makes_no_flow_pattern(tmp_path):
@@ -44,7 +45,8 @@ def test_a_gate_that_the_sand_does_not_follow_is_named_everywhere_and_makes_no_f
     assert "the gate has sunk by 20 mm" in sentence and "bridges the outlet; the outlet is 2 cells wide" in sentence
     assert summary["ledger"]["outflow_ended"] == "jam" and "flow_pattern" not in summary
     assert f"warning: {sentence}" in log and "ends: the flow has jammed; " in log
-    assert said.title == "The flow has jammed" and sentence in said.words and said.level == "care"
+    assert said.title == "The flow has jammed" and said.level == "care"
+    assert said.words.lower().startswith(sentence.lower().removeprefix("the flow has jammed: "))
 
 
 def test_sand_that_jams_flows_through_the_wider_outlet_that_is_advised(tmp_path):

@@ -11,6 +11,7 @@ import taichi_silo as ts
 from taichi_silo.mpm.laws import GudehusBauer
 from taichi_silo.mpm.laws.stress_point import StressPoint
 from taichi_silo.scene import sands
+from taichi_silo.studies.calibrate import whole
 from taichi_silo.studies.calibrate.closed_formulas import alpha_of_peak, beta_of_stiffness, compression, first_guess
 from taichi_silo.studies.calibrate.constants import NAMES, how_known, unknowns_of, width
 from taichi_silo.studies.calibrate.fit import fitted
@@ -307,6 +308,26 @@ def test_the_command_leaves_a_sand_that_a_run_takes_and_all_numbers_in_one_objec
     assert "takes it; in it φ_c, " in out and "are only typical" in out
     assert "No test gives the grain density; sand.toml has 2650." in out
     assert not (output / "shearing.png").exists()  # an earlier calibration is replaced as a whole
+
+
+def test_the_sand_of_another_lab_is_replaced_only_when_asked(tmp_path, said, monkeypatch):
+    """Runs take sand.toml: another sand in its place would change them without a word."""
+    fits = []  # of alike tests, so that one is enough
+    monkeypatch.setattr(whole, "fitted", lambda *given: fits.append(fits[0] if fits else fitted(*given)) or fits[0])
+    one, other, output = left(tmp_path / "one", few=True), left(tmp_path / "other", few=True), tmp_path / "out"
+    assert said("calibrate", one, "--output", output)[0] == 0
+    assert said("calibrate", one, "--output", output)[0] == 0  # the same lab once more
+    first = (output / "sand.toml").read_bytes()
+    code, _, err = said("calibrate", other, "--output", output)
+    assert code == 2 and len(fits) == 2
+    assert f"output {output} holds another sand (taichi-silo calibrate {one})" in err
+    assert "give another folder, or --overwrite to replace it" in err
+    assert (output / "sand.toml").read_bytes() == first
+    assert said("calibrate", other, "--output", output, "--overwrite")[0] == 0
+    assert 'title = "other, ' in (output / "sand.toml").read_text()
+    (output / "sand.toml").write_text("# mine\nn = 0.3\n")
+    with pytest.raises(ts.BadInput, match=r"holds another sand \(without a source\); .* overwrite=True"):
+        ts.calibrate(other, output)
 
 
 def test_from_python_nothing_is_written_unless_asked(tmp_path, monkeypatch):

@@ -108,6 +108,27 @@ def test_a_silo_of_any_size_is_met_exactly(wide, high, section):
     assert area.sum() == pytest.approx(wide * high, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("silo", "across"),
+    [
+        ({"width_m": 0.3048, "height_m": 0.6096, "outlet": {"width_m": 0.08}}, 40),
+        ({"width_m": 0.3048, "height_m": 0.6096, "outlet": {"width_m": 0.08}, "section": "round"}, 40),
+        ({"width_m": 0.211, "height_m": 0.5, "outlet": {"width_m": 0.06, "position": "right"}}, 40),
+        ({"width_m": 0.211, "height_m": 0.5, "outlet": {"width_m": 0.06, "position": 0.09}}, 40),
+    ],
+)
+def test_a_size_that_nobody_gave_is_not_blamed_for_the_edges_of_an_outlet(silo, across):
+    words = refused(silo=silo)
+    assert words.startswith("no cells of about ") and "the edges of the outlet, but cells of" in words
+    assert not re.search(r"cell size|divide", words)
+    found = re.search(r"cells of (\S+) m have lines at (\S+), (\S+) m \(a width of (\S+) m\)", words).groups()
+    size, low, high, wide = map(float, found)
+    assert silo["width_m"] / size == pytest.approx(across) and high - low == pytest.approx(wide)
+    position = silo["outlet"].get("position", "centre")
+    near = {"width_m": wide, "position": position if isinstance(position, str) else 0.5 * (low + high)}
+    assert Scene.model_validate({"silo": silo | {"outlet": near}}).grid.cell_size_m == pytest.approx(size)
+
+
 def test_a_bed_that_no_cells_are_fine_enough_for_is_refused_with_its_height():
     assert "fine enough for a height of 0.01 m" in refused(silo={"width_m": 90.0, "height_m": 0.01})
 

@@ -8,8 +8,10 @@ import pytest
 from PIL import Image
 
 from taichi_silo.errors import BadInput
+from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.scene.scene import Walls
+from taichi_silo.show import beside_walls
 from taichi_silo.show.figures.forces import curve
 from taichi_silo.studies.compare.measured import read
 from taichi_silo.studies.compare.tables import PROFILE, deviations, differences, janssen
@@ -102,6 +104,30 @@ def test_janssen_stands_beside_the_filled_state(runs):
     assert (row.force, row.theory, row.value, row.difference) == ("N", 160.0, 200.0, 40.0)
     assert row.difference_percent == pytest.approx(25.0)
     assert row.origin == "K0 of the law"
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        ({"insert_1": 400.0, "insert_2": 80.0}, "knows no inserts; of the weight after filling the inserts "
+         "carry 30 %."),
+        ({"hopper_left": 320.0, "hopper_right": 320.0}, "knows no hopper; of the weight after filling the hopper "
+         "carries 40 %."),
+        ({"hopper_right": 320.0, "insert_1": 160.0}, "knows no hopper or inserts; of the weight after filling the "
+         "hopper carries 20 % and the inserts carry 10 %."),
+        ({}, ""),
+    ],
+)  # fmt: skip
+def test_what_janssen_does_not_know_is_said_with_what_it_carries(tmp_path, columns, words):
+    folder = leave(tmp_path / "run")
+    forces = pd.read_csv(folder / "forces.csv")
+    bodies = {f"{name}_{axis}_N_per_m": value for name, value in columns.items() for axis in ("horizontal", "vertical")}
+    forces.assign(**bodies).to_csv(folder / "forces.csv", index=False)
+    expected = [f"run: Janssen's theory {words}"] if words else []
+    assert [" ".join(remark.split()) for remark in compare(folder, janssen=True).remarks] == expected
+    others = " and ".join(name for name in ("hopper", "inserts") if name in words)
+    told = f"P, T of both walls and the upward forces of {others} carry its" if others else "P + T of both walls carry"
+    assert told in beside_walls.lead(Result(folder))
 
 
 def test_runs_of_the_same_name_are_told_apart(tmp_path):

@@ -70,6 +70,48 @@ def test_a_triaxial_test_is_read(tmp_path, kind):
     assert test.volume_strain == pytest.approx([0.001, -0.005, -0.01], abs=1e-6)
 
 
+STRAINED = "# cell pressure: 100 kPa\n# e0 = 0.60\naxial strain [%],q [kPa]"
+NOT_DRAINED_COMPRESSION = {
+    "pore pressure": (
+        STRAINED + ",pore pressure [kPa]\n1,100,30\n2,150,20\n4,200,-10\n",
+        ["the pore pressure changes by 40 kPa", "undrained", "drained test in compression"],
+    ),
+    "u": (STRAINED + ",Δu [kPa]\n1,100,30\n2,150,20\n4,200,-10\n", ["the pore pressure changes by 40 kPa"]),
+    "constant volume": (
+        STRAINED + ",volumetric strain [%]\n1,100,0\n2,150,0\n4,200,0\n8,260,0\n",
+        ["volume strain is 0 in every row", "is the test undrained?", "leave out its column"],
+    ),
+    "extension": (
+        STRAINED + ",volumetric strain [%]\n-1,-40,0.1\n-2,-50,0\n-4,-60,-0.5\n",
+        ["strain is negative", "cell pressure of 100 kPa is positive", "q of 60 kPa is below it", "means extension"],
+    ),
+    "extension by the axial stress": (
+        "# e0 = 0.6\n# cell pressure: 100 kPa\naxial strain [%],sigma1 [kPa]\n-1,60\n-2,50\n-4,40\n",
+        ["q of 60 kPa is below it", "means extension"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", NOT_DRAINED_COMPRESSION)
+def test_undrained_and_extension_tests_are_refused_by_their_numbers(tmp_path, kind):
+    text, words = NOT_DRAINED_COMPRESSION[kind]
+    with pytest.raises(BadInput) as caught:
+        lab(tmp_path, text)
+    assert all(word in str(caught.value) for word in ["a.csv", *words]), caught.value
+
+
+@pytest.mark.parametrize("column", ["back pressure [kPa]", "pore pressure [kPa]", "u [mm]"])
+def test_a_back_pressure_that_is_kept_is_passed_over(tmp_path, column):
+    whole = lab(tmp_path, f"{STRAINED},{column}\n1,200,300\n2,300,301\n3,350,300\n")
+    assert whole.triaxials[0].deviator_Pa == pytest.approx([200e3, 300e3, 350e3])
+    assert whole.remarks == [f"a.csv: passed over {column}"]
+
+
+def test_compression_that_is_negative_throughout_is_no_extension(tmp_path):
+    text = "# e0 = 0.6\naxial strain [%],q [kPa],sigma3 [kPa]\n-1,-40,-100\n-2,-50,-100\n-4,-60,-100\n"
+    assert lab(tmp_path, text).triaxials[0].deviator_Pa[-1] == 60e3
+
+
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
 def test_encodings_of_spreadsheets_are_known(tmp_path, encoding):
     assert lab(tmp_path, OEDOMETERS["German"], "a.txt", encoding).oedometers[0].void_ratio[2] == 0.78

@@ -46,6 +46,15 @@ def test_angles_in_radians_get_a_word_and_walls_without_friction_none():
     assert likely_units.of_scene(still) == likely_units.of_scene(Scene(walls=walls("smooth", 0.6))) == []
 
 
+def test_a_silo_of_more_than_100_m_gets_a_word():
+    found = likely_units.of_scene(Scene(silo=Silo(width_m=200.0, height_m=500.0)))
+    assert found == [
+        "silo.width_m is 200 m; is it in mm? That would be 0.2 m.",
+        "silo.height_m is 500 m; is it in mm? That would be 0.5 m.",
+    ]
+    assert likely_units.of_scene(Scene(silo=Silo(width_m=40.0, height_m=100.0))) == []
+
+
 def test_the_check_of_a_scene_says_the_word(said, tmp_path):
     file = tmp_path / "silo.toml"
     file.write_text("[sand]\ngranular_hardness_Pa = 190e3\n[grid]\ncell_size_m = 0.05\n[machine]\nthreads = 1\n")

@@ -144,7 +144,8 @@ def test_explaining_a_scene_file_names_what_a_scene_file_takes(said, tmp_path):
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (["run", "outlt"], "did you mean outlet"),
+        (["run", "outlt"], "did you mean outlet?\n"),
+        (["run", "-"], "standard input must be given as /dev/stdin"),
         (["run", "nowhere.toml"], "cannot be read as a scene"),
         (["run", "{file}", "--set", "grid.cell_size_m=0.03"], "must divide the width"),
         (["run", "{file}", "--set", "grid.cel_size_m=0.03"], "did you mean grid.cell_size_m"),

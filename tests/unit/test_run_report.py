@@ -165,6 +165,15 @@ def test_theory_stands_beside_the_stresses_of_the_run(run):
     assert float(middle[1]) == pytest.approx(float(law) / 1e3, rel=0.1)
 
 
+def test_what_inserts_carry_counts_in_the_weight_and_is_unknown_to_janssen(copy):
+    forces = pd.read_csv(copy / "forces.csv")
+    forces["insert_1_vertical_N_per_m"] = 0.25 * forces["weight_N_per_m"]
+    forces.to_csv(copy / "forces.csv", index=False)
+    words = outline(copy).words
+    assert "P, T of both walls and the upward forces of inserts carry its weight." in words
+    assert "Janssen's theory knows no inserts; of the weight after filling the inserts carry 25 %." in words
+
+
 def test_the_code_stands_on_a_sheet_of_its_own_and_says_whose_numbers_they_are(tmp_path):
     scene = Scene(walls=Walls(kind="smooth", friction_angle_deg=15.0), eurocode={"solid": "barley", "wall": "D1"})
     words = outline(written(tmp_path / "run", scene)).words
@@ -227,6 +236,14 @@ def test_the_verdict_follows_the_certificate(copy):
     wrong = changed_certificate(copy, force_balance_residual_over_weight=1e-6)
     assert wrong.level == "bad"
     assert "balance of forces" in wrong.words
+
+
+def test_that_the_flow_has_jammed_is_said_once(copy):
+    jam = "The flow has jammed: the gate has sunk by 20 mm; give it a wider outlet."
+    changed_summary(copy, ledger={"outflow_ended": "jam"}, warnings=[jam])
+    said = verdict(Result(copy))
+    assert said.title == "The flow has jammed"
+    assert said.words.startswith("The gate has sunk by 20 mm; give it a wider outlet. ")
 
 
 @pytest.mark.parametrize(

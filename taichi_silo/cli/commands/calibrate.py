@@ -12,8 +12,9 @@ from taichi_silo.utils.console import Console
 def calibrate(
     lab: Annotated[Path, Argument(metavar="DIR", help="folder of CSV files of laboratory tests, or one file")],
     output: Annotated[
-        Path, Option(metavar="DIR", help="folder of sand.toml, table and figures; an earlier one there is replaced")
+        Path, Option(metavar="DIR", help="folder of sand.toml, table and figures; those of the same lab are replaced")
     ] = Path("outputs") / "calibrate",
+    overwrite: Annotated[bool, Option("--overwrite", help="replace another sand.toml in the output folder")] = False,
     quiet: QuietFlag = False,
     json: JsonFlag = False,
 ):
@@ -35,7 +36,7 @@ def calibrate(
 
     console = Console(quiet=quiet, as_json=json)
     with console.status("reading the tests") as status:
-        found = calibrated(lab, output, status)
+        found = calibrated(lab, output, status, overwrite)
     table = Table(title=f"Constants of {found.name}", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for number, head in enumerate(("constant", "value", "95 % from", "to", "known", "first value", "from")):
         table.add_column(head, justify="right" if number in (1, 2, 3, 5) else "left", overflow="fold")

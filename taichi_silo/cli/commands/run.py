@@ -47,6 +47,10 @@ def run(
     words = [] if what is None else [what, *context.args]
     if what is None or (what.startswith("-") and "--help" in words):
         command(scene_file, ["--help"], "taichi-silo run")
+    if what == "-":
+        raise BadInput(
+            "scene is -; standard input must be given as /dev/stdin, as in taichi-silo run /dev/stdin < silo.toml"
+        )
     if what.startswith("-"):  # flags first
         what = next((word for word in words if word.lower().endswith(".toml")), "")
         if not what:

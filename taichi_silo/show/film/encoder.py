@@ -45,7 +45,7 @@ def encode(file: Path, frames: Iterable[np.ndarray], frames_per_second: int = FR
         with imageio.get_writer(
             passing, format="FFMPEG", mode="I", fps=frames_per_second, codec=codec, macro_block_size=2,
             pixelformat="pal8" if codec == "gif" else "yuv420p", quality=None, output_params=told.split(),
-            ffmpeg_log_level="error",
+            ffmpeg_log_level="quiet",  # its lines would stand on the terminal before the sentence that says it
         ) as writer:  # fmt: skip
             for frame in frames:
                 _append(writer, frame, file)

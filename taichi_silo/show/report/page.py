@@ -13,7 +13,7 @@ from taichi_silo.errors import BadInput
 from taichi_silo.runs.result import FILM, Result
 from taichi_silo.runs.run_folder import MADE, no_link, typed, writable
 from taichi_silo.scene import bands, known_limits, sands
-from taichi_silo.show import html
+from taichi_silo.show import beside_walls, html
 from taichi_silo.show.figures import plot_run
 from taichi_silo.show.report import tables
 from taichi_silo.show.report.drawing import drawing
@@ -120,6 +120,7 @@ def page(run: Result, trouble: Sequence[str] = ()) -> str:
         parts=run.summary.get("parts") or [],
         film=_film(run.folder / FILM),
         figures={name: _figure(run, name) for name in FIGURES},
+        carriers=beside_walls.lead(run),
         forces=tables.force_table(run),
         stresses=tables.stress_table(run),
         hopper=tables.hopper_table(run),

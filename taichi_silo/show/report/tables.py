@@ -9,6 +9,7 @@ from taichi_silo.analysis.theory.walker import WalkerHopper
 from taichi_silo.runs.eurocode import whose_numbers
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.theories import hopper_of, janssen_of
+from taichi_silo.show.beside_walls import beyond_janssen
 from taichi_silo.show.inclined_walls import inclined_walls
 from taichi_silo.show.report.states import FORCES, STATES, Force, forces_of, reading_of, wall_profile
 from taichi_silo.show.report.words import NONE, height_words, kN, kPa, length_unit, mm, number, per_cent
@@ -120,6 +121,7 @@ def _force_note(run: Result, theory: dict) -> str:
     if ratios and straight_m(run):
         angle = number(theory.get("wall_friction_angle_deg"))
         words += f" Janssen: wall friction {angle}°, {', '.join(ratios)} (in brackets: the run against it)."
+        words += f" {beyond_janssen(run)}".rstrip()
     found = run.summary.get("theory") or {}
     walker = [found[f"walker_{state}"] for state in ("filling", "discharge") if found.get(f"walker_{state}")]
     if len(walker) == len(WHEN):

@@ -59,6 +59,7 @@ CHECKS = (  # name, key of the certificate, upper limit of the size, of which ru
     ),
 )  # fmt: skip
 
+JAMMED = "The flow has jammed"  # begin of the warning (`simulation/outflow.py`)
 REMEDIES = {  # of what is outside of its limit
     "at rest before flow": "a greater method.longest_settling_s lets it come to rest",
     "inertial number": "a smaller flow.speed_m_per_s helps",
@@ -107,8 +108,9 @@ def verdict(run: Result) -> Verdict:
         return Verdict("bad", "Not to be trusted", words, checks)
     count = f"{len(judged) - len(wrong)} of {len(judged)} numbers are within their limits"
     if (run.summary.get("ledger") or {}).get("outflow_ended") == "jam":
-        jam = next((words for words in run.summary.get("warnings", []) if words.startswith("The flow has jammed")), "")
-        return Verdict("care", "The flow has jammed", f"{jam} {sentence(count)}".strip(), checks)
+        jams = (words for words in run.summary.get("warnings", []) if words.startswith(JAMMED))
+        jam = next(jams, "").removeprefix(JAMMED).strip(": .")
+        return Verdict("care", JAMMED, " ".join(sentence(words) for words in (jam, count) if words), checks)
     if wrong:
         title = "To be read with care"
         remedies = REMEDIES | (FOUR if run.scene.silo.cuts_cells and run.scene.grid.points_per_cell == 1 else {})

@@ -35,6 +35,10 @@ WORDS: dict[str, tuple[Units, str]] = {  # quantity: its units, and what it is c
         STRESS, "sigma3, sig33, sigma r, cell pressure, confining pressure, confining stress, radial stress, "
         "effective confining pressure, effective cell pressure, effective confining stress, zelldruck, seitendruck",
     ),
+    "pore_pressure": (
+        STRESS, "u, du, delta u, pore pressure, pore water pressure, excess pore pressure, excess pore water pressure, "
+        "change of pore pressure, porenwasserdruck, porendruck, porenwasserüberdruck",
+    ),
     "mean_stress": (STRESS, "p, mean stress, mean effective stress, mean pressure, mittlere spannung"),
     "shear_strain": (STRAIN, "shear strain, gamma, shear distortion, scherdehnung, schubverzerrung, gleitung"),
     "shear_stress": (STRESS, "shear stress, tau, sigma12, tau xy, schubspannung, scherspannung"),

@@ -7,7 +7,13 @@ import numpy as np
 from taichi_silo.errors import BadInput
 from taichi_silo.studies.calibrate.columns import UNITS, WORDS, quantity
 from taichi_silo.studies.calibrate.lab_tests import IndexTests, Laboratory, Oedometer, Triaxial
-from taichi_silo.studies.calibrate.plausible import check_index, check_oedometer, check_triaxial
+from taichi_silo.studies.calibrate.plausible import (
+    check_compression,
+    check_index,
+    check_oedometer,
+    check_pore_pressure,
+    check_triaxial,
+)
 from taichi_silo.studies.measured_tables import factor_of, read_table
 from taichi_silo.utils import bounded_reading
 from taichi_silo.utils.messages import counted, shown
@@ -89,13 +95,17 @@ class LabFile:
         passed = []
         for number, (head, name, unit) in enumerate(zip(table.heads, table.names, table.units, strict=True)):
             what = quantity(name) or quantity(head)
+            if what == "pore_pressure" and unit and factor_of(unit, WORDS[what][0]) is None:
+                what = None  # u is a displacement, too
             if what is None or what in self.columns:
                 passed.append(head)
                 continue
             cells = [table.number(line, number, row[number]) for line, row in table.rows]
             self.columns[what] = np.array(cells) * self._factor(what, head, unit)
+            if what == "pore_pressure":
+                passed.append(head)
         for name, (value, unit) in table.stated().items():
-            if what := quantity(name):
+            if (what := quantity(name)) and what != "pore_pressure":
                 self.stated[what] = value * self._factor(what, name, unit)
         if passed:
             self.remarks.append(f"{self.file.name}: passed over {shown(', '.join(passed))}")
@@ -180,6 +190,9 @@ class LabFile:
             volume = (e - self.columns["void_ratio"]) / (1.0 + e)
         else:
             volume = np.full(len(strain), np.nan)
+        check_pore_pressure(self.file, cell, np.array(self._values("pore_pressure", checked=False)))
+        if self._turned < 0.0 and np.mean(self._values("cell_pressure", checked=False)) > 0.0:
+            check_compression(self.file, cell, deviator)
         known = np.isfinite(strain) & (np.isfinite(deviator) | np.isfinite(volume))
         sure = not self.has("volume_strain")
         test = Triaxial(self.file.name, cell, e, strain[known], deviator[known], volume[known], sure)

@@ -1,7 +1,7 @@
 """A whole calibration: tests read, constants fitted, and left in a folder."""
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import tomli_w
 
-from taichi_silo.errors import BadInput
-from taichi_silo.runs.run_folder import named, no_link, writable
+from taichi_silo.errors import BadInput, way
+from taichi_silo.runs.run_folder import named, no_link, typed, writable
 from taichi_silo.show.figures import draw_all
 from taichi_silo.show.figures.calibration import compression_figure, shearing_figure
 from taichi_silo.studies.calibrate.closed_formulas import Guess, first_guess
@@ -20,12 +20,13 @@ from taichi_silo.studies.calibrate.lab_files import read_laboratory
 from taichi_silo.studies.calibrate.lab_tests import Laboratory
 from taichi_silo.studies.calibrate.model_curves import compressions, shearings, with_signs
 from taichi_silo.utils import atomic_write
-from taichi_silo.utils.bounded_reading import place
-from taichi_silo.utils.messages import counted, sentence
+from taichi_silo.utils.bounded_reading import place, toml
+from taichi_silo.utils.messages import counted, sentence, shown
 
 SAND, TABLE = "sand.toml", "calibration.csv"
 FIGURES = ("compression", "shearing")
 PRODUCTS = (SAND, TABLE, *(f"{name}.png" for name in FIGURES))
+LONGEST_SOURCE = 150  # letters that are shown
 USUAL = {"grain_density_kg_per_m3": 2650.0, "d50_m": 0.5e-3}  # where no test says them
 FAR_OFF = {"void ratio": 0.02, "deviator": 0.1, "volume strain": 0.01}  # q over its largest value
 UNITS = {"critical_friction_angle_deg": "deg", "granular_hardness_Pa": "Pa"}
@@ -37,7 +38,7 @@ class Calibration:
 
     Attributes
     ----------
-    name : of the sand, as the folder of its tests.
+    lab : the folder of its tests, or their one file.
     laboratory : the tests as they were read.
     guess : first values of the constants, each with its source.
     fit : constants, intervals and what the tests leave open.
@@ -45,11 +46,16 @@ class Calibration:
 
     """
 
-    name: str
+    lab: Path
     laboratory: Laboratory
     guess: dict[str, Guess]
     fit: Fit
     files: list[Path]
+
+    @property
+    def name(self) -> str:
+        """Of the sand, as the folder of its tests."""
+        return named(self.lab)
 
     @property
     def table(self) -> pd.DataFrame:
@@ -77,7 +83,7 @@ class Calibration:
         means = {name: getattr(index, name) for name in USUAL}
         return {
             "title": f"{self.name}, from {counted(len(self.laboratory.names), 'laboratory test')}",
-            "source": "taichi-silo calibrate",
+            "source": _source(self.lab),
             **{name: float(f"{self.fit.constants[name]:.6g}") for name in SHOWN},
             **{name: float(np.mean(values)) if values else USUAL[name] for name, values in means.items()},
         }
@@ -149,17 +155,26 @@ class Calibration:
         }  # fmt: skip
 
 
+def _source(lab: Path) -> str:
+    """The command that determines the sand anew, by which its file is known again."""
+    return f"taichi-silo calibrate {typed(lab.resolve())}"
+
+
 def calibrate(
-    lab: str | os.PathLike, output: str | os.PathLike | None = None, heard: Heard | None = None
+    lab: str | os.PathLike,
+    output: str | os.PathLike | None = None,
+    heard: Heard | None = None,
+    overwrite: bool = False,
 ) -> Calibration:
     """Determine the constants of a sand from laboratory tests.
 
     Parameters
     ----------
     lab : folder of CSV files (or one file) of oedometer and drained triaxial tests, angle of repose, limit densities.
-    output : folder for sand.toml, calibration.csv and figures; an earlier calibration there is replaced. Nothing is
-        written if it is not given.
+    output : folder for sand.toml, calibration.csv and figures; an earlier calibration of the same lab there is
+        replaced. Nothing is written if it is not given.
     heard : called with a few words after each evaluation of the fit.
+    overwrite : replace another sand.toml that is there.
 
     Returns
     -------
@@ -168,7 +183,8 @@ def calibrate(
     Raises
     ------
     BadInput
-        before any work, if a file cannot be understood, a test shows what no sand does, or none has a curve.
+        before any work, if a file cannot be understood, a test shows what no sand does, none has a curve, or the
+        output folder holds another sand.toml.
 
     """
     place_ = place(lab, "lab")
@@ -179,12 +195,28 @@ def calibrate(
     if output is not None:
         target = place(output, "output")
         no_link(*(target / f"{name}{end}" for name in PRODUCTS for end in ("", ".part")))
+        if not overwrite:
+            _refuse_another(target, place_)
         target = writable(target)
     guess = first_guess(laboratory)
     laboratory = with_signs(laboratory, {name: one.value for name, one in guess.items()})
     guess = first_guess(laboratory)
-    found = Calibration(named(place_), laboratory, guess, fitted(laboratory, guess, heard), [])
+    found = Calibration(place_, laboratory, guess, fitted(laboratory, guess, heard), [])
     return found if target is None else _left(found, target)
+
+
+def _refuse_another(folder: Path, lab: Path) -> None:
+    """Refuse a folder whose sand is not of this lab: it may be what later runs take."""
+    if not (folder / SAND).exists():
+        return
+    try:
+        source = toml(folder / SAND, "a sand").get("source", "without a source")
+    except BadInput:
+        source = "that cannot be read"
+    if source != _source(lab):
+        anew = way("overwrite")
+        words = f"output {folder} holds another sand ({shown(source, LONGEST_SOURCE)}); give another folder, or {anew}"
+        raise BadInput(f"{words} to replace it", anew)
 
 
 def _left(found: Calibration, folder: Path) -> Calibration:
@@ -203,4 +235,4 @@ def _left(found: Calibration, folder: Path) -> Calibration:
         },
         None, folder,
     )  # fmt: skip
-    return Calibration(found.name, lab, found.guess, fit, [folder / SAND, folder / TABLE, *figures])
+    return replace(found, files=[folder / SAND, folder / TABLE, *figures])

@@ -10,6 +10,7 @@ import pandas as pd
 from taichi_silo.errors import BadInput, Way, way
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import no_link, writable
+from taichi_silo.show import beside_walls
 from taichi_silo.show.figures.compare import plot_compared
 from taichi_silo.studies.compare import tables
 from taichi_silo.studies.compare.measured import read
@@ -40,7 +41,7 @@ class Comparison:
     janssen: pd.DataFrame | None
     deviations: pd.DataFrame | None
     files: list[Path]
-    remarks: list[str]  # on what was measured
+    remarks: list[str]  # on what was measured, and what theory does not know
 
     def as_json(self) -> dict:
         """All numbers, in SI units."""
@@ -100,6 +101,8 @@ def compare(
         theory = tables.janssen(results) if janssen else None
         away = tables.deviations(results, measured) if measured else None
     remarks = [remark for one in measured for remark in one.remarks]
+    if janssen:
+        remarks += [f"{run.label}: {words}" for run in results if (words := beside_walls.beyond_janssen(run))]
     comparison = Comparison(results, found, theory, away, [], remarks)
     return comparison if target is None else _left(comparison, target, measured)
 
