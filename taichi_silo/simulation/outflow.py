@@ -27,7 +27,8 @@ STEEPEST = 1.5  # largest slope of the start, over its mean
 PARTS = 1001  # of the start, in which its displacement is looked up
 OVER = 0.25  # of the outlet's width, to both sides of its middle: no sand that has flowed freely stays there
 FOLLOWS = 0.5  # of what a gate makes room for: where less has left, the sand bridges the outlet
-STUCK = 1.0 / 3.0  # of a gate's way: sand that has not moved on for so long has jammed
+STUCK = 1.0 / 3.0  # of a gate's way: sand that has not moved on for so long has jammed,
+NOTHING = 0.1  # that is by less than so much of what the gate makes room for
 STILL = 0.002  # of the root of g H: mean speed below which a collapsed column rests,
 RESTING = 1.0  # if it lasts for so many times the fall of the column, root of H / g
 OF_FALL = 0.01  # of that fall, an interval of a collapse
@@ -126,20 +127,23 @@ def jam(model: Model, left_share: float) -> str:
     )
 
 
-def lags(model: Model, clock: Clock, left_kg_per_m: float) -> tuple[str, bool]:
+def lags(model: Model, clock: Clock, left_kg_per_m: float, since_kg_per_m: float) -> tuple[str, bool]:
     """What to say of gates after so much has left: a sentence if the sand did not follow, and whether it has jammed.
 
+    `since_kg_per_m` : what has left since `clock.left_at`.
     Nothing is said of gates with times of their own, which have not all sunk as far.
     """
     scene, silo, sunk_m = model.scene, model.scene.silo, clock.displacement
     timed = any(outlet.timed for outlet in silo.outlets)
     if timed or not known_limits.has_pattern(scene, sunk_m):
         return "", False
-    share = left_kg_per_m / (model.density * silo.outlet_share_m * sunk_m)
+    room = model.density * silo.outlet_share_m
+    share = left_kg_per_m / (room * sunk_m)
     if share >= FOLLOWS or not _bridged(model):
         return "", False
     told = f"the gate has sunk by {1e3 * sunk_m:.3g} mm, and {share:.0%} of the sand that it made room for has left; "
-    if scene.flow.speed_m_per_s * (clock.time - clock.left_at) >= STUCK * sunk_m:
+    way = scene.flow.speed_m_per_s * (clock.time - clock.left_at)
+    if way >= STUCK * sunk_m and since_kg_per_m < NOTHING * room * way:
         return f"The flow has jammed: {told}the rest bridges the outlet; {_advice(model)}.", True
     return f"The sand lags behind: {told}{_advice(model)}.", False
 

@@ -109,7 +109,8 @@ class Simulation:
         if self.discharge is None or self.scene.flow.outflow == "collapse":
             return
         if self.scene.flow.outflow == "controlled":
-            words, jammed = outflow.lags(self.model, self.clock, self.discharged)
+            since = self.model.section.factor * (self.discharge.passed - self.discharge.noted)
+            words, jammed = outflow.lags(self.model, self.clock, self.discharged, since)
         else:
             self.clock.ended = outflow.why_ended(self.model, self.clock)
             rests = self.clock.ended == "rest"
