@@ -7,6 +7,7 @@ length of a cell or more N must come out the same on two grids. Leaves `hopper_l
 Cost: a quarter of an hour on two cores.
 """
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -18,7 +19,9 @@ from taichi_silo.runs.result import Result
 from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene
 from taichi_silo.studies.run_all import run_all
 from taichi_silo.studies.sweep.runs import Run
-from validation.hoppers import STEEP, VOID_RATIO
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # as a plain script, too
+from validation.hoppers import STEEP, VOID_RATIO  # noqa: E402
 
 SPEED_M_PER_S, SUNK_MM, SPAN_MM = 0.01, (2, 6, 12), 0.5  # means over the last of that before each
 CASES = [  # cell size [mm], characteristic length [mm] (None: the sand's own, 3 d50), filter of the stresses

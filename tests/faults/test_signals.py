@@ -11,7 +11,6 @@ from taichi_silo.errors import BadInput, Stopped
 from taichi_silo.runs import session
 from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.session import resume, run
-from taichi_silo.scene import scene_files
 from taichi_silo.utils import checked_npz, file_lock
 from tests.faults.harness import ROOT, At, assert_same, assert_sound, contents, failed, send
 from tests.smallest import SMALLEST
@@ -56,7 +55,7 @@ def test_while_it_compiles_nothing_has_begun_and_nothing_is_lost(number, tmp_pat
 def test_while_the_scene_is_read_nothing_has_begun(tmp_path, monkeypatch, capsys, tried):
     """Before a run hears signals Python's own answer to Ctrl-C is what comes."""
     (tmp_path / "silo.toml").write_text("")
-    monkeypatch.setattr(scene_files, "read_scene", lambda *_: send()())
+    monkeypatch.setattr("taichi_silo.scene.scene_files.read_scene", lambda *_: send()())
     code, err = failed(monkeypatch, capsys, "run", tmp_path / "silo.toml", "--output", tmp_path / "run")
     assert (code, err) == (130, f"Error: {session.BEFORE}.")
     assert not (tmp_path / "run").exists()

@@ -66,7 +66,7 @@ def test_a_silo_without_anything_sinks_as_a_whole_and_one_with_something_does_no
 
 ROOF = {"kind": "roof", "width_m": 0.06, "bottom_m": 0.1}
 POLYGONS = [
-    ({"outline_m": [[0, 0], [0.2, 0.5], [0.2, 0], [0, 0.5]]}, ["outline", "simple"]),
+    ({"outline_m": [[0, 0], [0.2, 0.5], [0.2, 0], [0, 0.5]]}, ["outline", "cross each other at (0.1, 0.25) m"]),
     ({"outline_m": [[0, 0], [0.2, 0]]}, ["outline", "2 corners", "3"]),
     ({"outline_m": [[0.1, 0], [0.2, 0.5], [0, 0.5]]}, ["no level floor"]),
     ({"outline_m": [[0, 0], [0.2, 0], [0.1, 0.5]]}, ["no level top"]),
@@ -87,7 +87,7 @@ POLYGONS = [
     ({"inserts": [{"kind": "roof", "width_m": 0.06}]}, ["roof", "bottom_m"]),
     ({"inserts": [{"kind": "polygon", "corners_m": [[0.1, 0.1], [0.3, 0.1], [0.1, 0.2]]}]}, ["free of the walls"]),
     ({"inserts": [{"kind": "polygon", "corners_m": [[0.1, -0.1], [0.15, 0.1], [0.1, 0.2]]}]}, ["-0.1", "floor"]),
-    ({"inserts": [ROOF, ROOF | {"bottom_m": 0.12}]}, ["insert 2", "overlaps"]),
+    ({"inserts": [ROOF, ROOF | {"bottom_m": 0.12}]}, ["inserts 1 and 2 meet", "stand apart"]),
 ]
 
 
@@ -99,7 +99,10 @@ POLYGONS = [
             {"silo": {"outlet": {"width_m": 0.005}}, "grid": {"cell_size_m": 0.005}},
             ["outlet width is 0.005", "at least 0.01"],
         ),
-        ({"silo": {"outlet": {"width_m": 0.083}}}, ["outlet width is 0.083", "grid"]),
+        (
+            {"silo": {"outlet": {"width_m": 0.083}}},
+            ["at 0.0585, 0.1415 m, the edges of the outlet", "a width of 0.08 m"],
+        ),
         ({"silo": {"outlet": {"width_m": 0.08, "position": "top"}}}, ["position is top", "centre"]),
         ({"silo": {"section": "round", "outlet": {"width_m": 0.08, "position": "left"}}}, ["left", "round", "centre"]),
         (
