@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from benchmarks.euler import by_euler
 from benchmarks.figure import draw
 from benchmarks.guard import cost as cost_of_guard
 from benchmarks.roofline import ceilings
@@ -247,6 +248,9 @@ def main() -> None:
             for threads in (1, 2) if cores() > 1 else (1,):
                 rows += measure(points, per_cell, threads, yardstick)
                 say(rows[-1 if threads > 1 else -5 :])
+            with by_euler():
+                rows.append(measure(points, per_cell, 1, yardstick)[0] | {"phase": "step by Euler's rule"})
+            say(rows[-1:])
     for film in (False, True):
         rows.append(whole_run(film, yardstick))
         say(rows[-1:])

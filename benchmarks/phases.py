@@ -4,7 +4,7 @@ from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Step
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.simd.store import HALVES, Groups
-from taichi_silo.mpm.simd.vectors import arrays_of_eight, compiling_simd
+from taichi_silo.mpm.simd.vectors import arrays_of_eight, compiling_simd, eight
 from taichi_silo.mpm.solver import Solver
 
 
@@ -60,8 +60,9 @@ class Phases:
             step = Step(dt=0.0 * dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
                 for j in range(self.s.grid.rows):
-                    for i in range(self.s.grid.columns):  # the pass empties them
-                        sums[j * self.s.grid.columns + i][0] = 1.0
+                    self.layout.touched[j] = 1  # the pass empties them, and passes by empty rows
+                    for i in range(self.s.grid.columns):
+                        sums[j * self.s.grid.columns + i] = eight(1.0)
                         self.nodes_run(store, i, j, step, "last")
 
     @ti.kernel
