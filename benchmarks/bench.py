@@ -95,8 +95,10 @@ def row(size: tuple, phase: str, seconds: float, theirs: float | None, precision
     ), strict=True))  # fmt: skip
 
 
-def measure(points: int, points_per_cell: int, threads: int, yardstick: Yardstick | None) -> list[dict]:
-    """The whole step, in turns with the yardstick, and on one thread its phases."""
+def measure(
+    points: int, points_per_cell: int, threads: int, yardstick: Yardstick | None, phases: bool = True
+) -> list[dict]:
+    """The whole step, in turns with the yardstick, and on one thread its phases if they are asked for."""
     simulation = loaded(points, points_per_cell, threads)
     size = simulation.scene.points, points_per_cell, threads
     dt = 0.5 * simulation.solver.point_sums().stable_step
@@ -111,7 +113,7 @@ def measure(points: int, points_per_cell: int, threads: int, yardstick: Yardstic
     ratio = statistics.median(size[0] / m / t for m, t in zip(mine, theirs, strict=True)) if yardstick else None
     seconds = statistics.median(mine)
     rows = [row(size, "step", seconds, size[0] / seconds / ratio if ratio else None)]
-    if threads == 1:
+    if threads == 1 and phases:
         from benchmarks.phases import Phases
 
         for phase, kernel in Phases(simulation.solver).all().items():
@@ -249,7 +251,8 @@ def main() -> None:
                 rows += measure(points, per_cell, threads, yardstick)
                 say(rows[-1 if threads > 1 else -5 :])
             with by_euler():
-                rows.append(measure(points, per_cell, 1, yardstick)[0] | {"phase": "step by Euler's rule"})
+                (of_step,) = measure(points, per_cell, 1, yardstick, phases=False)
+            rows.append(of_step | {"phase": "step by Euler's rule"})
             say(rows[-1:])
     for film in (False, True):
         rows.append(whole_run(film, yardstick))

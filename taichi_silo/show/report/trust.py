@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from taichi_silo.runs.alarms.of_records import LONGEST_FALLING, LONGEST_STEP
 from taichi_silo.runs.result import Result
 from taichi_silo.show.report.words import number, plain, sentence
+from taichi_silo.simulation.outflow import JAMMED
 
 RIGID = {"smooth": (0.9, 1.1), "very-rough": (0.0, 5.0)}
 DRIFT = "mean_void_ratio_drift"  # the one number whose sign says nothing
@@ -59,7 +60,6 @@ CHECKS = (  # name, key of the certificate, upper limit of the size, of which ru
     ),
 )  # fmt: skip
 
-JAMMED = "The flow has jammed"  # begin of the warning (`simulation/outflow.py`)
 REMEDIES = {  # of what is outside of its limit
     "at rest before flow": "a greater method.longest_settling_s lets it come to rest",
     "inertial number": "a smaller flow.speed_m_per_s helps",
