@@ -53,10 +53,14 @@ def test_while_it_compiles_nothing_has_begun_and_nothing_is_lost(number, tmp_pat
 
 
 def test_while_the_scene_is_read_nothing_has_begun(tmp_path, monkeypatch, capsys, tried):
-    """Before a run hears signals Python's own answer to Ctrl-C is what comes."""
+    """Before a run hears signals Python's own answer to Ctrl-C is what comes, which a shell's background lacks."""
     (tmp_path / "silo.toml").write_text("")
     monkeypatch.setattr("taichi_silo.scene.scene_files.read_scene", lambda *_: send()())
-    code, err = failed(monkeypatch, capsys, "run", tmp_path / "silo.toml", "--output", tmp_path / "run")
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        code, err = failed(monkeypatch, capsys, "run", tmp_path / "silo.toml", "--output", tmp_path / "run")
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert (code, err) == (130, f"Error: {session.BEFORE}.")
     assert not (tmp_path / "run").exists()
     tried("faults survived", "stopped while its scene is read")
