@@ -15,7 +15,7 @@ from taichi_silo.mpm.p2g import point_contributions
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.point_weights import weights
 from taichi_silo.mpm.simd.lane_maths import greatest
-from taichi_silo.mpm.simd.vectors import LANES, eight
+from taichi_silo.mpm.simd.vectors import LANES, eight, transposed
 
 STRIPS = 16  # of points, at most
 HALVES = 2  # of the strips, which take turns
@@ -166,17 +166,13 @@ class Groups:
         c20, c21, c22 = nothing, nothing, nothing
         at, columns = -2, self.grid.columns  # nothing has been collected yet, and node 0 does not follow it
         for g in range(self.layout.first[strip], self.layout.first[strip + 1]):
-            given = point_contributions(self, self.grid, self.surroundings, g, t)
+            of_point = transposed(*point_contributions(self, self.grid, self.surroundings, g, t))
             for patch in ti.static(range(self.shape.PATCHES)):
                 i, sx, gx, j, sy, gy = weights(self, self.grid, self.shape, g, t, patch)
                 lowest, highest = ti.min(lowest, j), ti.max(highest, j)
                 first = j * columns + i
-                for lane in range(LANES):
-                    k = self.within(first[lane])
-                    v = eight(
-                        given[0][lane], given[1][lane], given[2][lane], given[3][lane], given[4][lane], given[5][lane],
-                        given[6][lane], given[7][lane],
-                    )  # fmt: skip
+                for lane in ti.static(range(LANES)):
+                    k, v = self.within(first[lane]), of_point[lane]
                     if ti.static(self.shape.NODES == 3):
                         # as long as the points have the same nodes, their sums stay here
                         if k == at + 1:
@@ -235,26 +231,35 @@ class Groups:
     @ti.func
     def gather(self, field: ti.template(), g, t):
         """Grid to particles: the eight slots that the points of group g gather, and the first once more (S v_x)."""
-        t0, t1, t2, t3 = eight(0.0), eight(0.0), eight(0.0), eight(0.0)
-        t4, t5, t6, t7 = eight(0.0), eight(0.0), eight(0.0), eight(0.0)
-        for patch in ti.static(range(self.shape.PATCHES)):
-            i, sx, gx, j, sy, gy = weights(self, self.grid, self.shape, g, t, patch)
-            first = j * self.grid.columns + i
-            for lane in range(LANES):
-                k = self.within(first[lane])
-                total = eight(0.0)
-                for b in ti.static(range(self.shape.NODES)):
-                    row = eight(0.0)
-                    for a in ti.static(range(self.shape.NODES)):
-                        row = row + self.nodal[k + b * self.grid.columns + a] * along_x(sx[a][lane], gx[a][lane])
-                    total = total + row * along_y(sy[b][lane], gy[b][lane])
-                t0[lane], t1[lane], t2[lane], t3[lane] = (
-                    t0[lane] + total[0], t1[lane] + total[1], t2[lane] + total[2], t3[lane] + total[3]
-                )  # fmt: skip
-                t4[lane], t5[lane], t6[lane], t7[lane] = (
-                    t4[lane] + total[4], t5[lane] + total[5], t6[lane] + total[6], t7[lane] + total[7]
-                )  # fmt: skip
+        t0, t1, t2, t3, t4, t5, t6, t7 = self.from_patch(g, t, 0)
+        for patch in ti.static(range(1, self.shape.PATCHES)):
+            a0, a1, a2, a3, a4, a5, a6, a7 = self.from_patch(g, t, patch)
+            t0, t1, t2, t3 = t0 + a0, t1 + a1, t2 + a2, t3 + a3
+            t4, t5, t6, t7 = t4 + a4, t5 + a5, t6 + a6, t7 + a7
         return t0, t1, t2, t3, t4, t5, t6, t7, t0
+
+    @ti.func
+    def from_patch(self, g, t, patch: ti.template()):
+        """The eight slots that the points of group g gather from one patch of nodes."""
+        i, sx, gx, j, sy, gy = weights(self, self.grid, self.shape, g, t, patch)
+        first = j * self.grid.columns + i
+        return transposed(
+            self.from_nodes(0, first, sx, gx, sy, gy), self.from_nodes(1, first, sx, gx, sy, gy),
+            self.from_nodes(2, first, sx, gx, sy, gy), self.from_nodes(3, first, sx, gx, sy, gy),
+            self.from_nodes(4, first, sx, gx, sy, gy), self.from_nodes(5, first, sx, gx, sy, gy),
+            self.from_nodes(6, first, sx, gx, sy, gy), self.from_nodes(7, first, sx, gx, sy, gy),
+        )  # fmt: skip
+
+    @ti.func
+    def from_nodes(self, lane: ti.template(), first, sx, gx, sy, gy):
+        """The eight slots of one point."""
+        k, total = self.within(first[lane]), eight(0.0)
+        for b in ti.static(range(self.shape.NODES)):
+            row = eight(0.0)
+            for a in ti.static(range(self.shape.NODES)):
+                row = row + self.nodal[k + b * self.grid.columns + a] * along_x(sx[a][lane], gx[a][lane])
+            total = total + row * along_y(sy[b][lane], gy[b][lane])
+        return total
 
     # --- nodes ----------------------------------------------------------------------------------------------------
 

@@ -29,3 +29,45 @@ def compiling_simd() -> Iterator[None]:
         yield
     finally:
         configuration.real_matrix_scalarize = True
+
+
+@ti.func
+def transposed(a0, a1, a2, a3, a4, a5, a6, a7):
+    """Columns of the eight rows a0 ... a7, in three rounds of exchanges between two vectors."""
+    b0, b1 = _pairs(a0, a1)
+    b2, b3 = _pairs(a2, a3)
+    b4, b5 = _pairs(a4, a5)
+    b6, b7 = _pairs(a6, a7)
+    c0, c2 = _quarters(b0, b2)
+    c1, c3 = _quarters(b1, b3)
+    c4, c6 = _quarters(b4, b6)
+    c5, c7 = _quarters(b5, b7)
+    d0, d4 = _halves(c0, c4)
+    d1, d5 = _halves(c1, c5)
+    d2, d6 = _halves(c2, c6)
+    d3, d7 = _halves(c3, c7)
+    return d0, d1, d2, d3, d4, d5, d6, d7
+
+
+@ti.func
+def _pairs(a, b):
+    """Even places of two vectors in turns, and odd ones."""
+    return (
+        eight(a[0], b[0], a[2], b[2], a[4], b[4], a[6], b[6]), eight(a[1], b[1], a[3], b[3], a[5], b[5], a[7], b[7])
+    )  # fmt: skip
+
+
+@ti.func
+def _quarters(a, b):
+    """First and third, second and fourth quarters."""
+    return (
+        eight(a[0], a[1], b[0], b[1], a[4], a[5], b[4], b[5]), eight(a[2], a[3], b[2], b[3], a[6], a[7], b[6], b[7])
+    )  # fmt: skip
+
+
+@ti.func
+def _halves(a, b):
+    """First and second halves."""
+    return (
+        eight(a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]), eight(a[4], a[5], a[6], a[7], b[4], b[5], b[6], b[7])
+    )  # fmt: skip
