@@ -9,9 +9,8 @@ from taichi_silo.mpm.tensors import added, trace
 
 
 @ti.func
-def update(law: ti.template(), stress, h, void_ratio, D, spin, d_bar, dt):
-    """As `integrate.update`, by Euler's rule."""
-    factors = law.factors(stress, void_ratio)
+def update_from(factors, law: ti.template(), stress, h, void_ratio, D, spin, d_bar, dt):
+    """As `integrate.update_from`, by Euler's rule."""
     rate, h_rate = integrate.total_rate(law, stress, h, factors, D, spin, d_bar), integrate.memory_rate(law, h, D, spin)
     e = (1.0 + void_ratio) * integrate.growth(trace(D) * dt) - 1.0
     s0, s1, s2, s3 = law.admissible(added(stress, rate, dt), e)
@@ -21,4 +20,4 @@ def update(law: ti.template(), stress, h, void_ratio, D, spin, d_bar, dt):
 
 def by_euler() -> AbstractContextManager:
     """A context in which steps are compiled with Euler's rule."""
-    return patch.object(integrate, "update", update)
+    return patch.object(integrate, "update_from", update_from)

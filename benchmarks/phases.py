@@ -49,6 +49,7 @@ class Phases:
         for _ in range(steps):
             step = Step(dt=dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
+                store.align(steps)
                 for turn in range(HALVES):
                     store.scatter(self.scatter_run, 0, 1, step, "all", turn)
 
@@ -59,6 +60,7 @@ class Phases:
         for _ in range(steps):
             step = Step(dt=0.0 * dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
+                store.align(steps)
                 for j in range(self.s.grid.rows):
                     self.layout.touched[j] = 1  # the pass empties them, and passes by empty rows
                     for i in range(self.s.grid.columns):
@@ -71,6 +73,7 @@ class Phases:
         ti.loop_config(serialize=True)
         for _ in range(steps):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
+                store.align(steps)
                 for g in range(self.layout.groups):
                     t = store.gather(self.s.grid.velocity, g, 0)
                     total = t[0] + t[1] + t[2] + t[3] + t[4] + t[5] + t[6] + t[7]
@@ -83,6 +86,7 @@ class Phases:
         for _ in range(steps):
             step = Step(dt=1e-3 * dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
+                store.align(steps)
                 for g in range(self.layout.groups):
                     self.points_run(store, g, 0, step, self.s.grid.velocity)
 

@@ -23,7 +23,7 @@ OF_TENSORS = {
     for name, one in vars(tensors).items()
     if hasattr(one, "__wrapped__")
 }
-OF_LANES = ("power", "exp_minus", "greatest")
+OF_LANES = ("power", "exp_minus", "exp_plus", "greatest", "larger", "smaller", "alike")
 BRANCH = "it must use ti.select, as eight points are computed at once"
 NO_FUNCTIONS = "formulas call ti.max, ti.min, ti.sqrt, ti.select, ti.static, those of tensors and lane_maths, and own"
 
@@ -256,7 +256,7 @@ class Formula:
         if function is not None and function is getattr(tensors, called.id, None):
             return OF_TENSORS[called.id]
         if called.id in OF_LANES and function is getattr(lane_maths, called.id):
-            if called.id == "power" and kinds[1:] != [CONSTANT]:
+            if called.id == "power" and set(kinds[1:]) != {CONSTANT}:
                 self._refuse(node, f"calls {ast.unparse(node)}", "the exponent of a power must be a constant")
             return NUMBER
         if not hasattr(function, "__wrapped__"):

@@ -9,6 +9,7 @@ points of group p of the vector unit (see `field_store`); the others work on fie
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws import several
 from taichi_silo.mpm.point_weights import domain_of, offset_of_node, weights
+from taichi_silo.mpm.simd.lane_maths import alike
 
 TINY = 1e-9  # of a cell squared: points closer to each other than this have an affine velocity field without slope
 
@@ -41,7 +42,7 @@ def gradient_of(points: ti.template(), grid: ti.template(), geometry: ti.templat
     """Velocity gradient (xx, xy, yx, yy) from what `gather` found, and the strain rate around the axis [1/s]."""
     _vx, _vy, _dvx, _dvy, xx, yx, xy, yy, across = gathered
     per_dx, per_dy = 1.0 / grid.cell_size, 1.0 / grid.cell_height(t)
-    hoop = 0.0 * xx
+    hoop = alike(0.0, xx)
     if ti.static(geometry.HOOP):
         x, _y = points.read("position", p)
         hoop = across / x
@@ -129,17 +130,31 @@ def memory_of(points: ti.template(), law: ti.template(), p):
     """Intergranular strain (xx, yy, zz, xy) of point p; zeros for a law that does not remember."""
     if ti.static(law.REMEMBERS):
         return points.read("intergranular", p)
-    nothing = 0.0 * points.read("volume", p)
+    nothing = alike(0.0, points.read("volume", p))
     return nothing, nothing, nothing, nothing
 
 
 @ti.func
-def respond(points: ti.template(), law: ti.template(), p, D, spin, length, d_bar, dt):
-    """Stress and volume of point p after a strain rate D of norm `length` and its non-local mean d_bar [1/s]."""
+def before(points: ti.template(), law: ti.template(), p):
+    """What the response of point p needs of its state before the step: void ratio, mass and the law's factors.
+
+    They wait for each other longer than for anything else in a step, and need nothing from the nodes: a processor that
+    is told so before it gathers computes both at once.
+    """
     volume, mass = points.read("volume", p), points.read("mass", p)
     void_ratio = volume * law.grain_density / mass - 1.0
-    s0, s1, s2, s3, h0, h1, h2, h3, e = several.update(
-        law, points, p, points.read("stress", p), memory_of(points, law, p), void_ratio, D, spin, d_bar, dt
+    return void_ratio, mass, several.factors(law, points, p, points.read("stress", p), void_ratio)
+
+
+@ti.func
+def respond(known, points: ti.template(), law: ti.template(), p, D, spin, length, d_bar, dt):
+    """Stress and volume of point p after a strain rate D of norm `length` and its non-local mean d_bar [1/s].
+
+    `known` is what `before` gave.
+    """
+    void_ratio, mass, factors = known
+    s0, s1, s2, s3, h0, h1, h2, h3, e = several.update_from(
+        factors, law, points, p, points.read("stress", p), memory_of(points, law, p), void_ratio, D, spin, d_bar, dt
     )
     points.write("stress", p, (s0, s1, s2, s3))
     if ti.static(law.REMEMBERS):

@@ -16,6 +16,7 @@ number of the thread, which says which copy of the sums and of the grid's height
 
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.point_weights import offset_of_node
+from taichi_silo.mpm.simd.lane_maths import alike
 from taichi_silo.mpm.tensors import shifted
 
 
@@ -25,7 +26,7 @@ def point_contributions(points: ti.template(), grid: ti.template(), surroundings
     m, volume = points.read("mass", p), points.read("volume", p)
     vx, vy = points.read("velocity", p)
     xx, yy, zz, xy = shifted(points.read("stress", p), surroundings.ambient_pressure)
-    hoop = 0.0 * volume
+    hoop = alike(0.0, volume)
     if ti.static(surroundings.geometry.HOOP):
         x, _y = points.read("position", p)
         hoop = 0.0 - volume * zz / x

@@ -5,6 +5,7 @@
 
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.simd.lane_maths import alike, larger, smaller
 
 
 @ti.func
@@ -30,8 +31,8 @@ def weights(points: ti.template(), grid: ti.template(), shape: ti.template(), p,
     i, j = i + MARGIN, j + MARGIN
     # a point that has left the grid (the guard will stop the run) must not write outside it
     if ti.static(not grid.periodic):
-        i = ti.max(0.0, ti.min(i, grid.columns - shape.NODES))
-    j = ti.max(0.0, ti.min(j, grid.rows - shape.NODES))
+        i = larger(smaller(i, alike(grid.columns - shape.NODES, i)), alike(0.0, i))
+    j = larger(smaller(j, alike(grid.rows - shape.NODES, j)), alike(0.0, j))
     return i, sx, gx, j, sy, gy
 
 

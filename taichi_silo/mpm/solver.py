@@ -10,7 +10,7 @@ from taichi_silo.mpm.contracts import Filter, Law, Shape, Transfer, Wall
 from taichi_silo.mpm.executors import NODES, POINTS, ROWS, SCATTER, Executor, Phase, Threads
 from taichi_silo.mpm.field_store import Fields
 from taichi_silo.mpm.filters import Unfiltered
-from taichi_silo.mpm.g2p import affine_of, at_point, deform, gradient_of, move, respond
+from taichi_silo.mpm.g2p import affine_of, at_point, before, deform, gradient_of, move, respond
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.grid_update import integrate_node, second_velocity_of_node
@@ -304,7 +304,8 @@ class Solver:
         """Stress of point p under its kept strain rate and the non-local norm of it."""
         d0, d1, d2, d3, spin, length = self.averaging.kept(store, p)
         d_bar = self.averaging.mean(store, p)
-        respond(store, self.law, p, (d0, d1, d2, d3), spin, length, d_bar, step.dt)
+        known = before(store, self.law, p)
+        respond(known, store, self.law, p, (d0, d1, d2, d3), spin, length, d_bar, step.dt)
 
     # --- a point --------------------------------------------------------------------------------------------------
 
@@ -315,6 +316,7 @@ class Solver:
         """Motion, and stress, of point p from what it gathers, its strain rate from a nodal velocity `field`."""
         if ti.static(self.transfer.GRADIENT == "affine"):
             store.write("affine", p, affine_of(self.particles, self.grid, self.shape, p, t))
+        known = before(store, self.law, p)
         gathered = store.gather(field, p, t)
         L = gradient_of(store, self.grid, self.surroundings.geometry, p, t, gathered)
         if ti.static(motion):
@@ -327,7 +329,7 @@ class Solver:
             if ti.static(self.averaging.ACTIVE):  # it waits for the neighbours' strain rates
                 self.averaging.keep(store, p, t, D, spin, length)
             else:
-                respond(store, self.law, p, D, spin, length, length, step.dt)
+                respond(known, store, self.law, p, D, spin, length, length, step.dt)
 
     @ti.func
     def _second(self, p, t, gathered):

@@ -7,6 +7,7 @@ Sign convention of the whole solver: tension positive.
 """
 
 from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.simd.lane_maths import alike, larger
 
 
 @ti.func
@@ -73,11 +74,11 @@ def largest_principal(a):
     """Largest principal value of A, the out-of-plane one included."""
     centre = 0.5 * (a[0] + a[1])
     half = 0.5 * (a[0] - a[1])
-    return ti.max(centre + ti.sqrt(half * half + a[3] * a[3]), a[2])
+    return larger(centre + ti.sqrt(half * half + a[3] * a[3]), a[2])
 
 
 @ti.func
 def spun(a, spin):
     """W A - A W for the plane spin W_xy = spin = (L_xy - L_yx) / 2: what Jaumann's rate leaves out."""
     turn = 2.0 * spin * a[3]
-    return (turn, 0.0 - turn, 0.0 * turn, spin * (a[1] - a[0]))
+    return (turn, 0.0 - turn, alike(0.0, turn), spin * (a[1] - a[0]))

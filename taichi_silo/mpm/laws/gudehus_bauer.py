@@ -10,7 +10,7 @@ import math
 
 from taichi_silo.mpm.frozen import frozen
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.simd.lane_maths import exp_minus, greatest, power
+from taichi_silo.mpm.simd.lane_maths import alike, exp_plus, greatest, larger, power, smaller
 from taichi_silo.mpm.tensors import added, chosen, inner, largest_principal, pressure_of, scaled, shifted, trace_of_cube
 
 SQRT6 = math.sqrt(6.0)
@@ -75,53 +75,72 @@ class GudehusBauer:
 
     @ti.func
     def factors(self, stress, void_ratio):
-        """Barotropy f_s [Pa], pyknotropy f_d, 1 / tr T [1/Pa], and the derivatives that `advanced_factors` needs.
+        """What the rate is made of at a stress and a void ratio, and its tangents there.
 
-        The void ratio is kept within e_d and e_i. Divisions cost more than all the rest: four share one.
+        Barotropy f_s [Pa], pyknotropy f_d, 1 / tr T [1/Pa]; of ln f_s by ln p and by -e, of f_d by e and by ln p; a1,
+        T^* and the gradient of 1 / a1 by it. The void ratio is kept within e_d and e_i: e_d0 and e_i0 are the limits
+        of e exp[(3p/h_s)^n].
         """
-        pressure = ti.max(pressure_of(stress), self.rest_stress)
+        pressure = pressure_of(stress)
+        pressure = larger(pressure, alike(self.rest_stress, pressure))
         crowding = power(pressure * (3.0 / self.granular_hardness_Pa), self.n)
-        shrink = exp_minus(crowding)
-        e_i = self.e_i0 * shrink
-        e = ti.min(void_ratio, e_i)
-        by_p_x, by_e = pressure * crowding, e * shrink
-        share = 1.0 / (by_p_x * by_e)
-        per_p_x, per_e_shrink = share * by_e, share * by_p_x
-        per_pressure, per_crowding = per_p_x * crowding, per_p_x * pressure
-        per_e, per_shrink = per_e_shrink * shrink, per_e_shrink * e
-        measure = per_shrink * (1.0 / (self.e_c0 - self.e_d0))
-        above = ti.max(e - self.e_d0 * shrink, 0.0) * measure  # (e - e_d) / (e_c - e_d)
-        f_d = power(above, self.alpha)
+        spread = exp_plus(crowding)
+        per_pressure = 1.0 / pressure
+        e = smaller(void_ratio * spread, alike(self.e_i0, spread))  # as it would be without pressure
+        above = larger(e - self.e_d0, alike(0.0, e)) * (1.0 / (self.e_c0 - self.e_d0))  # (e - e_d) / (e_c - e_d)
+        some = larger(above, alike(1e-6, e))
+        by_some = e * some
+        share = 1.0 / (crowding * by_some)
+        per_crowding, per_e, per_above = share * by_some, share * (crowding * some), share * (crowding * e)
+        f_d = power(above, self.alpha, (self.e_i0 - self.e_d0) / (self.e_c0 - self.e_d0))
         # h_s/n (3p/h_s)^(1-n) = 3p / (n (3p/h_s)^n);  (1 + e_i) / e_i = 1 + 1 / e_i
-        f_s = (3.0 / (self.n * self.h_i)) * pressure * per_crowding * power(e_i * per_e, self.beta)
-        f_s = f_s * (1.0 + per_shrink * (1.0 / self.e_i0))
+        f_s = (3.0 / (self.n * self.h_i)) * pressure * per_crowding * power(self.e_i0 * per_e, self.beta)
+        f_s = f_s * (1.0 + spread * (1.0 / self.e_i0))
         fading = self.n * crowding  # -d ln e_d, e_c, e_i / d ln p
         stiffening = self.degree - fading * (self.beta - 1.0 / (1.0 + self.e_i0))  # d ln f_s / d ln p
-        softening = self.beta * per_e  # -d ln f_s / d e
-        loosening = self.alpha * f_d * measure / ti.max(above, 1e-6)  # d f_d / d e
-        return f_s, f_d, per_pressure * (-1.0 / 3.0), stiffening, softening, loosening, e * fading
+        softening = self.beta * per_e * spread  # -d ln f_s / d e
+        loosening = (self.alpha / (self.e_c0 - self.e_d0)) * f_d * per_above
+        per_trace = per_pressure * (-1.0 / 3.0)
+        T = scaled(stress, per_trace)
+        a1, level, g0, g1, g2, g3 = self.a1_and_tangent(shifted(T, pressure_of(T)))
+        return (
+            f_s, f_d, per_trace, stiffening, softening, loosening * spread, loosening * e * fading,
+            a1, level, g0, g1, g2, g3,
+        )  # fmt: skip
 
     @ti.func
     def advanced_factors(self, factors, growth_of_trace, swelling):
         """The factors after small changes of tr T [Pa] and of the void ratio."""
-        f_s, f_d, per_trace, stiffening, softening, loosening, fading = factors
-        rise = ti.max(ti.min(growth_of_trace * per_trace, 0.1), -0.1)
+        f_s, f_d, per_trace, stiffening, softening, loosening, crowding, a1, level, g0, g1, g2, g3 = factors
+        rise = growth_of_trace * per_trace
+        rise = larger(smaller(rise, alike(0.1, rise)), alike(-0.1, rise))
         stiffer = f_s * (1.0 + stiffening * rise - softening * swelling)
-        looser = ti.max(f_d + loosening * (swelling + fading * rise), 0.0)
+        looser = larger(f_d + (loosening * swelling + crowding * rise), alike(0.0, f_d))
         square = rise * rise
         return (
             stiffer, looser, per_trace * ((1.0 - rise) * (1.0 + square * (1.0 + square))),
-            stiffening, softening, loosening, fading,
+            stiffening, softening, loosening, crowding, a1, level, g0, g1, g2, g3,
         )  # fmt: skip
 
     @ti.func
-    def a1(self, deviator):
-        """a1 of a normalised deviator T^*: 1/a1 = c1 + c2 ||T^*|| (1 + cos 3 theta), by one division."""
+    def a1_and_tangent(self, deviator):
+        """a1 of a normalised deviator T^*, and the gradient of 1/a1 = c1 + c2 ||T^*|| (1 + cos 3 theta) by it.
+
+        With r = ||T^*|| that is c2 [(1/r + 2 sqrt(6) tr T^*^3 / r^4) T^* - 3 sqrt(6) T^*^2 / r^2], less what is isotropic.
+        """
+        s0, s1, s2, s3 = deviator
         square = inner(deviator, deviator) + 1e-24
-        full = ti.sqrt(square) * square
-        # ||T^*||^3 (1 + cos 3 theta), with cos 3 theta between -1 and 1
-        round = ti.min(ti.max(full - SQRT6 * trace_of_cube(deviator), 0.0), 2.0 * full)
-        return square / (self.c1 * square + self.c2 * round)
+        size, per_square = ti.sqrt(square), 1.0 / square
+        shape = SQRT6 * trace_of_cube(deviator) * per_square
+        # ||T^*|| (1 + cos 3 theta), with cos 3 theta between -1 and 1
+        round = smaller(larger(size - shape, alike(0.0, size)), 2.0 * size)
+        along, across = self.c2 * (size + 2.0 * shape) * per_square, (3.0 * SQRT6 * self.c2) * per_square
+        per_a1, turn = self.c1 + self.c2 * round, s3 * s3
+        slope = (
+            along * s0 - across * (s0 * s0 + turn), along * s1 - across * (s1 * s1 + turn),
+            along * s2 - across * (s2 * s2), s3 * (along - across * (s0 + s1)),
+        )  # fmt: skip
+        return 1.0 / per_a1, per_a1 - inner(slope, deviator), slope[0], slope[1], slope[2], slope[3]
 
     @ti.func
     def operators(self, stress, factors):
@@ -129,10 +148,10 @@ class GudehusBauer:
 
         The linear operator is L : X = f_s (a1^2 X + T^ (T^ : X)).
         """
-        f_s, f_d, per_trace, _, _, _, _ = factors
+        f_s, f_d, per_trace, _, _, _, _, a1, level, g0, g1, g2, g3 = factors
         relative = scaled(stress, per_trace)
         deviator = shifted(relative, pressure_of(relative))
-        a1 = self.a1(deviator)
+        a1 = a1 * (2.0 - a1 * (level + inner((g0, g1, g2, g3), deviator)))
         return f_s * a1 * a1, f_s, relative, scaled(added(relative, deviator, 1.0), f_s * f_d * a1)
 
     @ti.func
@@ -146,9 +165,9 @@ class GudehusBauer:
         """No tension in any direction, and separated grains (p below rest stress, or e above e_i0) at rest stress."""
         s0, s1, s2, s3 = stress
         pressure = pressure_of(stress)
-        separated = ti.max(self.rest_stress - pressure, void_ratio - self.e_i0)
+        separated = larger(self.rest_stress - pressure, void_ratio - self.e_i0)
         # compression in all directions: xx < 0, zz < 0 and xx yy > xy^2
-        if greatest(ti.max(ti.max(s0, s2), ti.max(s3 * s3 - s0 * s1, separated))) > 0.0:
+        if greatest(larger(larger(s0, s2), larger(s3 * s3 - s0 * s1, separated))) > 0.0:
             pull = largest_principal(stress)
             # the deviator shrinks until the largest principal stress is zero
             fraction = ti.select(pull > 0.0, pressure / (pressure + ti.max(pull, 1e-30)), 1.0)
@@ -176,9 +195,8 @@ class GudehusBauer:
     @ti.func
     def moduli(self, stress, void_ratio):
         """The two parts of `stiffness` [Pa]: of L and of N."""
-        f_s, f_d, per_trace, _, _, _, _ = self.factors(stress, void_ratio)
+        f_s, f_d, per_trace, _, _, _, _, a1, _, _, _, _, _ = self.factors(stress, void_ratio)
         relative = scaled(stress, per_trace)
-        a1 = self.a1(shifted(relative, pressure_of(relative)))
         largest = ti.min(largest_principal(relative), 1.0)
         return f_s * (a1 * a1 + largest * largest), f_s * f_d * a1 * (2.0 * largest - 1.0 / 3.0)
 

@@ -93,10 +93,17 @@ def march(law: ti.template(), stress, h, void_ratio, D, spin, d_bar, dt):
 
 @ti.func
 def update(law: ti.template(), stress, h, void_ratio, D, spin, d_bar, dt):
+    """As `update_from`, with the law's factors at the beginning."""
+    return update_from(law.factors(stress, void_ratio), law, stress, h, void_ratio, D, spin, d_bar, dt)
+
+
+@ti.func
+def update_from(factors, law: ti.template(), stress, h, void_ratio, D, spin, d_bar, dt):
     """Stress, intergranular strain and void ratio after a step of constant strain rate.
 
     Parameters
     ----------
+    factors : `law.factors` of stress and void ratio at the beginning.
     law : a law of `taichi_silo.laws`.
     stress : (xx, yy, zz, xy) [Pa], tension positive.
     h : intergranular strain (xx, yy, zz, xy); returned as it is by a law that does not remember.
@@ -111,7 +118,6 @@ def update(law: ti.template(), stress, h, void_ratio, D, spin, d_bar, dt):
     Four stresses, four components of h, the void ratio.
 
     """
-    factors = law.factors(stress, void_ratio)
     rate, h_rate = total_rate(law, stress, h, factors, D, spin, d_bar), memory_rate(law, h, D, spin)
     e = (1.0 + void_ratio) * growth(trace(D) * dt) - 1.0
     later = law.advanced_factors(factors, dt * trace(rate), e - void_ratio)

@@ -3,7 +3,7 @@
 from taichi_silo.mpm.frozen import frozen
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws import integrate
-from taichi_silo.mpm.simd.lane_maths import greatest
+from taichi_silo.mpm.simd.lane_maths import alike, greatest, smaller
 from taichi_silo.mpm.tensors import chosen
 
 
@@ -63,14 +63,24 @@ def are_several(law: object) -> bool:
 def share(points: ti.template(), p, n: ti.template()):
     """1 where the law of point p is that of number n, 0 elsewhere."""
     apart = points.read("sand", p) - float(n)
-    return ti.select(apart * apart < 0.25, 0.0 * apart + 1.0, 0.0 * apart)
+    return ti.select(apart * apart < 0.25, alike(1.0, apart), alike(0.0, apart))
 
 
 @ti.func
-def update(law: ti.template(), points: ti.template(), p, stress, h, void_ratio, D, spin, d_bar, dt):
-    """As `integrate.update`. Of eight points that have one law the others are not computed."""
+def factors(law: ti.template(), points: ti.template(), p, stress, void_ratio):
+    """As `law.factors`; of several laws none, as each is computed only where points have it."""
     if ti.static(not are_several(law)):
-        return integrate.update(law, stress, h, void_ratio, D, spin, d_bar, dt)
+        return law.factors(stress, void_ratio)
+    return (void_ratio,)
+
+
+@ti.func
+def update_from(
+    factors, law: ti.template(), points: ti.template(), p, stress, h, void_ratio, D, spin, d_bar, dt
+):  # fmt: skip
+    """As `integrate.update_from`. Of eight points that have one law the others are not computed."""
+    if ti.static(not are_several(law)):
+        return integrate.update_from(factors, law, stress, h, void_ratio, D, spin, d_bar, dt)
     s0, s1, s2, s3 = stress
     h0, h1, h2, h3 = h
     e = void_ratio
@@ -113,9 +123,9 @@ def loosest(law: ti.template(), points: ti.template(), p, void_ratio):
     found = void_ratio
     for n, one in ti.static(enumerate(laws_of(law))):
         if ti.static(are_several(law)):
-            found = ti.select(share(points, p, n) > 0.0, ti.min(void_ratio, one.loosest), found)
+            found = ti.select(share(points, p, n) > 0.0, smaller(void_ratio, alike(one.loosest, void_ratio)), found)
         else:
-            found = ti.min(void_ratio, one.loosest)
+            found = smaller(void_ratio, alike(one.loosest, void_ratio))
     return found
 
 

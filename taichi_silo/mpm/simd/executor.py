@@ -222,4 +222,5 @@ class Simd(Executor):
         ti.loop_config(block_dim=1)
         for t in range(self.loop.threads):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):  # known while this is compiled
+                store.align(t)
                 self.loop.steps(store, t, done, count, steps, dt, g0, g1, v0, v1, drag, filling_drag, passed)

@@ -17,7 +17,8 @@ import numpy as np
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.simd.vectors import is_eight
+from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.simd.vectors import eight, is_eight
 
 ROOT2 = math.sqrt(2.0)
 UPPER = 2.0**0.25  # a base is brought to 2**-1/4 ... 2**1/4 by powers of two and a root of two
@@ -77,10 +78,10 @@ def polynomial(c: ti.template(), x):
 
 
 @ti.func
-def polynomial_power(base, exponent: ti.template()):
+def polynomial_power(base, exponent: ti.template(), most: ti.template()):
     """base**exponent by peeling off powers of two."""
-    rest, factor = ti.min(base, 32768.0), 0.0 * base + 1.0
-    for k in ti.static(UP):
+    rest, factor = smaller(base, alike(most, base)), alike(1.0, base)
+    for k in ti.static([k for k in UP if most > UPPER * 2.0 ** (k - 1)]):
         above = rest > UPPER * 2.0 ** (k - 1)
         rest = ti.select(above, rest * 2.0**-k, rest)
         factor = ti.select(above, factor * 2.0 ** (k * exponent), factor)
@@ -92,7 +93,7 @@ def polynomial_power(base, exponent: ti.template()):
     rest = ti.select(below, rest * ROOT2, rest)
     factor = ti.select(below, factor * 2.0 ** (-0.5 * exponent), factor)
     c, middle = ti.static(power_series(exponent))
-    return ti.select(base > 1e-18, factor * polynomial(c, rest - middle), 0.0 * base)
+    return ti.select(base > 1e-18, factor * polynomial(c, rest - middle), alike(0.0, base))
 
 
 def by_polynomials(value: object) -> bool:
@@ -104,20 +105,20 @@ def by_polynomials(value: object) -> bool:
 def polynomial_decay(x, squarings: ti.template()):
     """exp(-x) for x >= 0 by squaring exp(-x / 2**squarings)."""
     c, middle = ti.static(decay_series())
-    result = polynomial(c, ti.min(x, ti.static(LARGEST_DECAY * 2.0**squarings)) * 0.5**squarings - middle)
+    result = polynomial(c, smaller(x, alike(ti.static(LARGEST_DECAY * 2.0**squarings), x)) * 0.5**squarings - middle)
     for _ in ti.static(range(squarings)):
         result = result * result
     return result
 
 
 @ti.func
-def power(base, exponent: ti.template()):
-    """base**exponent for base >= 0 and an exponent known at compile time."""
+def power(base, exponent: ti.template(), most: ti.template() = 32768.0):
+    """base**exponent for a base from 0 to `most` and an exponent known at compile time."""
     result = base
     if ti.static(exponent == 0.5):
         result = ti.sqrt(base)
     elif ti.static(exponent != 1.0 and by_polynomials(base)):
-        result = polynomial_power(base, exponent)
+        result = polynomial_power(base, exponent, most)
     elif ti.static(exponent != 1.0):
         result = base**exponent
     return result
@@ -136,9 +137,60 @@ def exp_minus(x):
     return result
 
 
+@functools.cache
+def growth_series() -> Series:
+    """Of exp(x) between 0 and 1/2."""
+    return series(np.exp, 0.0, 0.5, 11)
+
+
+@ti.func
+def polynomial_growth(x, squarings: ti.template()):
+    """exp(x) for x >= 0 by squaring exp(x / 2**squarings)."""
+    c, middle = ti.static(growth_series())
+    result = polynomial(c, smaller(x, alike(ti.static(LARGEST_DECAY * 2.0**squarings), x)) * 0.5**squarings - middle)
+    for _ in ti.static(range(squarings)):
+        result = result * result
+    return result
+
+
+@ti.func
+def exp_plus(x):
+    """exp(x) for x >= 0."""
+    result = x
+    if ti.static(is_eight(x)):
+        result = polynomial_growth(x, SQUARINGS)
+    elif ti.static(by_polynomials(x)):
+        result = polynomial_growth(x, MORE_SQUARINGS)
+    else:
+        result = ti.exp(x)
+    return result
+
+
+@ti.func
+def alike(number, x):
+    """A constant, as a vector if x is one."""
+    if ti.static(is_eight(x)):
+        return eight(number)
+    return ti.cast(number, real)
+
+
+@ti.func
+def larger(x, limit):
+    """The larger of x and a limit, which counts if x is no number: one instruction, where ti.max takes three."""
+    return ti.select(x > limit, x, limit)
+
+
+@ti.func
+def smaller(x, limit):
+    """The smaller of x and a limit, which counts if x is no number."""
+    return ti.select(x < limit, x, limit)
+
+
 @ti.func
 def greatest(x):
     """The greatest of the lanes; of a scalar, itself."""
     if ti.static(is_eight(x)):
-        return ti.max(ti.max(ti.max(x[0], x[1]), ti.max(x[2], x[3])), ti.max(ti.max(x[4], x[5]), ti.max(x[6], x[7])))
+        y = ti.max(x, eight(x[4], x[5], x[6], x[7], x[0], x[1], x[2], x[3]))
+        z = ti.max(y, eight(y[2], y[3], y[0], y[1], y[6], y[7], y[4], y[5]))
+        return ti.max(z[0], z[1])
     return x

@@ -8,13 +8,15 @@ of points with the same nodes stay in registers.
 from typing import Any
 
 from taichi_silo.mpm.contracts import Shape
+from taichi_silo.mpm import runtime
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.p2g import point_contributions
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.point_weights import weights
-from taichi_silo.mpm.simd.lane_maths import greatest
+from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.simd.lane_maths import greatest, larger, smaller
 from taichi_silo.mpm.simd.vectors import LANES, eight, transposed
 
 STRIPS = 16  # of points, at most
@@ -61,6 +63,7 @@ class Layout:
         self.begins = {name: sum(widths[:k]) for k, name in enumerate(particles.names)}
         self.order = ti.field(ti.i32, shape=self.groups * LANES)
         self.first, self.half = ti.field(ti.i32, shape=STRIPS + 1), ti.field(ti.i32, shape=STRIPS)
+        self.some = ti.field(real, shape=runtime.threads())
         self.touched = ti.field(ti.i32, shape=grid.rows)
         self.reach = ti.field(ti.i32, shape=(STRIPS, 16))
 
@@ -73,6 +76,16 @@ class Groups:
         self.layout, self.points, self.sums, self.nodal = layout, points, sums, nodal
         self.particles, self.grid, self.shape = layout.particles, layout.grid, layout.shape
         self.surroundings, self.order = layout.surroundings, layout.order
+
+    @ti.func
+    def align(self, t):
+        """Have vectors that registers cannot hold lie within lines of the cache.
+
+        LLVM aligns the stack of a kernel only if it knows before it hands out registers that a vector will be there:
+        one of whose numbers only the run says which is asked for.
+        """
+        some = self.points[0] + self.points[1]
+        self.layout.some[0] = some[t % LANES]
 
     # --- fields of the points of group g -------------------------------------------------------------------------
 
@@ -169,7 +182,7 @@ class Groups:
             of_point = transposed(*point_contributions(self, self.grid, self.surroundings, g, t))
             for patch in ti.static(range(self.shape.PATCHES)):
                 i, sx, gx, j, sy, gy = weights(self, self.grid, self.shape, g, t, patch)
-                lowest, highest = ti.min(lowest, j), ti.max(highest, j)
+                lowest, highest = smaller(j, lowest), larger(j, highest)
                 first = j * columns + i
                 for lane in ti.static(range(LANES)):
                     k, v = self.within(first[lane]), of_point[lane]
@@ -214,7 +227,7 @@ class Groups:
 
     @ti.func
     def within(self, first):
-        """Number of the first node of a patch; one of the grid's even where the place of a point is no number."""
+        """Number of the first node of a patch; that it is one of the grid's is known, so that addresses need no check."""
         span = ti.static((self.shape.NODES - 1) * (self.grid.columns + 1))
         return ti.max(0, ti.min(ti.cast(first, ti.i32), self.grid.nodes - 1 - span))
 

@@ -186,6 +186,6 @@ def _normalised(axial_Pa: float, radial_Pa: float, constants: dict[str, float]) 
     """a1^2, and axial and radial members of T^ and of N at f_s = f_d = 1, by the law's own operators."""
     law = Law(**constants)
     stress = (-radial_Pa, -axial_Pa, -radial_Pa, 0.0)
-    factors = (1.0, 1.0, -1.0 / (axial_Pa + 2.0 * radial_Pa), 0.0, 0.0, 0.0, 0.0)
-    a1_squared, _, relative, N = law.operators(stress, factors)
+    _, _, *others = law.factors(stress, constants["e_c0"])
+    a1_squared, _, relative, N = law.operators(stress, (1.0, 1.0, *others))
     return float(a1_squared), float(relative[1]), float(relative[0]), float(N[1]), float(N[0])
