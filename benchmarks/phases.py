@@ -16,6 +16,7 @@ class Phases:
         self.s, self.simd, self.layout = solver, solver.executor, solver.executor.layout
         phases = {phase.over: phase for phase in solver.phases()}
         self.scatter_run, self.nodes_run, self.points_run = (phases[o].run for o in (SCATTER, NODES, POINTS))
+        self.eights_run = phases[NODES].eights
         self.compiled = set()
 
     def all(self):
@@ -46,49 +47,56 @@ class Phases:
     ):  # fmt: skip
         """Particles to grid."""
         ti.loop_config(serialize=True)
-        for _ in range(steps):
-            step = Step(dt=dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
+        for _ in range(1):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
-                store.align(steps)
-                for turn in range(HALVES):
-                    store.scatter(self.scatter_run, 0, 1, step, "all", turn)
+                step = self._step(store, dt, steps)
+                for _step in range(steps):
+                    for turn in range(HALVES):
+                        store.scatter(self.scatter_run, 0, 1, step, "all", turn)
+
+    @ti.func
+    def _step(self, store: ti.template(), dt, steps):
+        """What varies from step to step, and what comes before the first."""
+        store.begin(steps, 0, self.s.grid.rows)
+        return Step(dt=dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
 
     @ti.kernel
     def grid(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, steps: ti.i32, dt: real):
         """Equation of motion of the nodes, on the same sums again and again."""
         ti.loop_config(serialize=True)
-        for _ in range(steps):
-            step = Step(dt=0.0 * dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
+        for _ in range(1):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
-                store.align(steps)
-                for j in range(self.s.grid.rows):
-                    self.layout.touched[j] = 1  # the pass empties them, and passes by empty rows
-                    for i in range(self.s.grid.columns):
-                        sums[j * self.s.grid.columns + i] = eight(1.0)
-                        self.nodes_run(store, i, j, step, "last")
+                step = self._step(store, 0.0 * dt, steps)
+                for _step in range(steps):
+                    for j in range(self.s.grid.rows):
+                        self.layout.touched[j] = 1  # the pass empties them, and passes by empty rows
+                        for i in range(self.s.grid.columns):
+                            sums[j * self.s.grid.columns + i] = eight(1.0)
+                        store.row(self.nodes_run, self.eights_run, j, step, "last")
 
     @ti.kernel
     def gather(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, steps: ti.i32, dt: real):
         """Grid to particles: what a point gathers."""
         ti.loop_config(serialize=True)
-        for _ in range(steps):
+        for _ in range(1):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
-                store.align(steps)
-                for g in range(self.layout.groups):
-                    t = store.gather(self.s.grid.velocity, g, 0)
-                    total = t[0] + t[1] + t[2] + t[3] + t[4] + t[5] + t[6] + t[7]
-                    store.write("path", g, store.read("path", g) + 1e-30 * total)
+                self._step(store, dt, steps)
+                for _step in range(steps):
+                    for g in range(self.layout.groups):
+                        t = store.gather(self.s.grid.velocity, g, 0)
+                        total = t[0] + t[1] + t[2] + t[3] + t[4] + t[5] + t[6] + t[7]
+                        store.write("path", g, store.read("path", g) + 1e-30 * total)
 
     @ti.kernel
     def law(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, steps: ti.i32, dt: real):
         """Grid to particles, with motion and law of the points, on the same nodal velocities again and again."""
         ti.loop_config(serialize=True)
-        for _ in range(steps):
-            step = Step(dt=1e-3 * dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
+        for _ in range(1):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
-                store.align(steps)
-                for g in range(self.layout.groups):
-                    self.points_run(store, g, 0, step, self.s.grid.velocity)
+                step = self._step(store, 1e-3 * dt, steps)
+                for _step in range(steps):
+                    for g in range(self.layout.groups):
+                        self.points_run(store, g, 0, step, self.s.grid.velocity)
 
 
 @ti.data_oriented

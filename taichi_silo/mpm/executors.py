@@ -32,6 +32,8 @@ class Phase(NamedTuple):
     option : a compile-time constant for it.
     waits : whether it needs what other threads did in the phase before.
     rows : that ROWS runs over; 0: those of the grid.
+    eights : what NODES runs on the vector unit for nodes that no wall holds: run(store, first, count, j, step), `count`
+        times eight from column `first` on.
     """
 
     over: int
@@ -39,6 +41,7 @@ class Phase(NamedTuple):
     option: object = None
     waits: bool = True
     rows: int = 0
+    eights: Any = None
 
 
 @ti.dataclass
@@ -113,7 +116,8 @@ class PhaseLoop:
         ]
         self.waits = sum(waits)  # in a step
         self.phases = tuple(
-            (sum(waits[:n]), begins[n], *phase[:3], phase.rows or grid.rows) for n, phase in enumerate(phases)
+            (sum(waits[:n]), begins[n], *phase[:3], phase.rows or grid.rows, phase.eights)
+            for n, phase in enumerate(phases)
         )
 
     @ti.func
@@ -121,9 +125,10 @@ class PhaseLoop:
         """Steps `done` to `done + count` of so many on thread t."""
         first, last = store.points_of(t, self.threads)
         low, high = t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads
+        store.begin(t, low, high)
         for number in range(count):
             step = step_at(done + number, steps, dt, g0, g1, v0, v1, drag, filling_drag)
-            for before, waits, over, run, option, rows in ti.static(self.phases):
+            for before, waits, over, run, option, rows, eights in ti.static(self.phases):
                 if ti.static(waits):
                     self.barrier.wait(passed, number * self.waits + before)
                 if ti.static(over in (SCATTER, COLLECT)):
@@ -136,8 +141,7 @@ class PhaseLoop:
                         run(store, p, t, step, option)
                 elif ti.static(over == NODES):
                     for j in range(low, high):
-                        for i in range(self.grid.columns):
-                            run(store, i, j, step, option)
+                        store.row(run, eights, j, step, option)
                 else:
                     for j in range(t * rows // self.threads, (t + 1) * rows // self.threads):
                         run(store, j, step, option)

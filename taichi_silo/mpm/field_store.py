@@ -16,6 +16,8 @@ the vector unit holds (`simd.store`). A store offers
     to entry k of a sum that others of the same copy add to.
 `gather(field, p, t)`
     what `g2p.gather` finds for point p.
+`begin(t, low, high)`, `row(run, eights, j, step, option)`
+    what thread t, whose rows are `low` to `high`, does before its steps; a phase over the nodes of row j.
 `read_sums(i, j, last)`, `write_velocity(k, x, y, old)`
     mass, momentum (2) and force (2) of node (i, j), which are emptied; velocity and change of node k.
 `clear_axis(k, j)`, `fold(k, image, j)`, `unfold(k, image)`
@@ -84,6 +86,10 @@ class Fields:
         return g2p.gather(self.particles, self.grid, self.shape, field, p, t)
 
     @ti.func
+    def begin(self, t, low, high):
+        """Nothing to do before the steps."""
+
+    @ti.func
     def points_of(self, t, threads: ti.template()):
         """First of the points of thread t, and of those of the next."""
         count = self.particles.active[None]
@@ -95,6 +101,12 @@ class Fields:
         first, last = self.points_of(t, threads)
         for p in range(first, last):
             run(self, p, t, step, option)
+
+    @ti.func
+    def row(self, run: ti.template(), eights: ti.template(), j, step, option: ti.template()):
+        """The phase over nodes, for those of row j (`eights` is not for these)."""
+        for i in range(self.grid.columns):
+            run(self, i, j, step, option)
 
     @ti.func
     def read_sums(self, i, j, last: ti.template()):

@@ -23,7 +23,7 @@ class Grid:
     velocity        node        after the step [m/s]
     change          node        of the velocity in the step [m/s]; see `hold` for these five
     second_velocity node        velocities that went to the nodes once more in the step [m/s]; see `hold_second`
-    memory          node, 3     exponential means of momentum (2) and mass, for the noise control [kg m/s /m, kg/m]
+    memory          3, node     exponential means of momentum (2) and mass, for the noise control [kg m/s /m, kg/m]
     stretch         copy        height of the grid over its first height [-], one copy for each thread
     ==============  ==========  ========================================================================
 
@@ -59,7 +59,7 @@ class Grid:
         self.nodes = self.columns * self.rows
         self.copies = copies
         self.mass = self.momentum = self.force = self.velocity = self.change = self.second_velocity = None
-        self.memory = ti.field(real, shape=(self.nodes, 3))
+        self.memory = ti.field(real, shape=(3, self.nodes))
         self.stretch = ti.field(real, shape=copies)
         put(self.stretch, 1.0)
 
@@ -138,30 +138,20 @@ class Grid:
         return 0.0, upwards
 
     @ti.func
-    def recent_velocity(self, step, j, k, mass):
-        """What node k of row j, of a mass, remembers of its velocity [m/s]: mean momentum over mean mass.
-
-        It counts no more than the present mass allows, so that the wild velocity of a node that hardly any sand
-        touched does not outlive that touch, and sand that lands is braked. A node that had no sand remembers the
-        velocity of the frame.
-        """
-        if self.memory[k, 2] == 0.0:
-            frame = self.velocity_of_frame(step, j)
-            self.memory[k, 0], self.memory[k, 1], self.memory[k, 2] = mass * frame[0], mass * frame[1], mass
-        per_mass = 1.0 / ti.max(self.memory[k, 2], mass)
-        return self.memory[k, 0] * per_mass, self.memory[k, 1] * per_mass
+    def memory_of(self, k):
+        """What node k remembers: means of momentum (x, y) and mass."""
+        return self.memory[0, k], self.memory[1, k], self.memory[2, k]
 
     @ti.func
-    def remember(self, k, share, mass, velocity):
-        """Let a share of the present enter the memory of node k."""
-        self.memory[k, 0] = self.memory[k, 0] + share * (mass * velocity[0] - self.memory[k, 0])
-        self.memory[k, 1] = self.memory[k, 1] + share * (mass * velocity[1] - self.memory[k, 1])
-        self.memory[k, 2] = self.memory[k, 2] + share * (mass - self.memory[k, 2])
+    def remember(self, k, memory):
+        """Set what node k remembers."""
+        for c in ti.static(range(3)):
+            self.memory[c, k] = memory[c]
 
     @ti.func
     def forget(self, k):
         """Node k has no sand."""
-        self.memory[k, 2] = 0.0
+        self.memory[2, k] = 0.0
 
     @ti.func
     def follow(self, t, step):

@@ -6,6 +6,8 @@ Formulas only; the executors loop over the nodes.
 """
 
 from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.simd.lane_maths import larger, total
+from taichi_silo.mpm.simd.vectors import LANES, eight
 from taichi_silo.mpm.walls.contact import Frictionless, NoSlip
 
 KEEPS_IN = Frictionless()  # what a wall does where it does not bear
@@ -59,6 +61,40 @@ def held_by_delayed_friction(
 
 
 @ti.func
+def recalled(grid: ti.template(), step, j, m, memory):
+    """The memory of a node of row j and of mass m; without sand it remembers the velocity of the frame."""
+    frame = grid.velocity_of_frame(step, j)
+    anew = memory[2] == 0.0
+    return (
+        ti.select(anew, m * frame[0], memory[0]), ti.select(anew, m * frame[1], memory[1]),
+        ti.select(anew, m, memory[2]),
+    )  # fmt: skip
+
+
+@ti.func
+def braking(step, m, old, memory):
+    """Change (x, y) [m/s] by the noise control of the velocity `old` of a node of mass m.
+
+    The recent velocity is mean momentum over mean mass, the latter at least the present one: so the wild velocity of a
+    node that hardly any sand touched does not outlive that touch, and sand that lands is braked.
+    """
+    per_mass = 1.0 / larger(memory[2], m)
+    return (
+        step.dt * (step.drag * (memory[0] * per_mass - old[0]) - step.filling_drag * old[0]),
+        step.dt * (step.drag * (memory[1] * per_mass - old[1]) - step.filling_drag * old[1]),
+    )
+
+
+@ti.func
+def remembered(memory, share, m, x, y):
+    """The memory after a share of the present mass m and velocity (x, y) has entered it."""
+    return (
+        memory[0] + share * (m * x - memory[0]), memory[1] + share * (m * y - memory[1]),
+        memory[2] + share * (m - memory[2]),
+    )  # fmt: skip
+
+
+@ti.func
 def motion_of_node(
     grid: ti.template(), walls: ti.template(), surfaces: ti.template(), friction: ti.template(),
     control: ti.template(), impulses: ti.template(), down: ti.template(), i, j, step, m, old, push,
@@ -73,10 +109,9 @@ def motion_of_node(
     if ti.static(surfaces.ACTIVE):
         pressed_x, pressed_y = surfaces.press_on(impulses, k, j, step.dt)
         x, y = x + step.dt / m * pressed_x, y + step.dt / m * pressed_y
-    if ti.static(control.drag > 0.0 or control.filling_drag > 0.0):
-        recent_x, recent_y = grid.recent_velocity(step, j, k, m)
-        braking_x = step.dt * (step.drag * (recent_x - old[0]) - step.filling_drag * old[0])
-        braking_y = step.dt * (step.drag * (recent_y - old[1]) - step.filling_drag * old[1])
+    memory = recalled(grid, step, j, m, grid.memory_of(k))
+    if ti.static(control.brakes):
+        braking_x, braking_y = braking(step, m, old, memory)
         x, y = x + braking_x, y + braking_y
         impulses.add_damping(j, k, (m * braking_x, m * braking_y))
     for number, wall in ti.static(enumerate(walls)):
@@ -88,10 +123,39 @@ def motion_of_node(
                 x, y = held(wall, step, i, j, free_x, free_y)
             impulses.add_wall(number, wall.slot(i, j), k, (m * (x - free_x), m * (y - free_y)))
     if ti.static(control.drag > 0.0):
-        grid.remember(k, step.dt / control.memory_time, m, (x, y))
+        grid.remember(k, remembered(memory, step.dt / control.memory_time, m, x, y))
     if ti.static(surfaces.ACTIVE):
         surfaces.note(k, m, x, y)
     return x, y
+
+
+@ti.func
+def integrate_eights(
+    nodes: ti.template(), grid: ti.template(), control: ti.template(), impulses: ti.template(), down: ti.template(),
+    first, count, j, step,
+):  # fmt: skip
+    """As `integrate_node`, for `count` times eight nodes of row j from column `first` on, which no wall holds."""
+    impulse_x, impulse_y = eight(0.0), eight(0.0)
+    for n in range(count):
+        # so limited addresses are known not to overflow
+        k = ti.max(0, ti.min(j * grid.columns + first + n * LANES, grid.nodes - LANES))
+        m, px, py, fx, fy = nodes.read_eight_sums(k)
+        there, nothing, one = m > 0.0, eight(0.0), eight(1.0)
+        per_m = 1.0 / ti.select(there, m, one)
+        old = px * per_m, py * per_m
+        x = old[0] + step.dt * (fx * per_m + step.gravity * down[0])
+        y = old[1] + step.dt * (fy * per_m + step.gravity * down[1])
+        memory = recalled(grid, step, j, m, nodes.memories_of(k))
+        if ti.static(control.brakes):
+            braking_x, braking_y = braking(step, ti.select(there, m, one), old, memory)
+            x, y = x + braking_x, y + braking_y
+            impulse_x, impulse_y = impulse_x + m * braking_x, impulse_y + m * braking_y
+        if ti.static(control.drag > 0.0):
+            a, b, c = remembered(memory, step.dt / control.memory_time, m, x, y)
+            nodes.remember_eight(k, (a, b, ti.select(there, c, nothing)))
+        nodes.write_eight_velocities(k, x, y, old)
+    if ti.static(control.brakes):
+        impulses.add_damping(j, j * grid.columns, (total(impulse_x), total(impulse_y)))
 
 
 @ti.func

@@ -57,6 +57,11 @@ class NoiseControl:
         rate = 0.16 * 2.0 * math.pi / period_s
         return cls(drag=rate, memory_time=2.5 * period_s, relaxation=0.12 / cell_transit_s)
 
+    @property
+    def brakes(self) -> bool:
+        """Whether it ever acts on nodes."""
+        return self.drag > 0.0 or self.filling_drag > 0.0
+
     def rates(self, stage: str) -> tuple[float, float]:
         """Of the drag towards the recent motion and of that towards rest, in "filling", "start" or "flow" [1/s].
 

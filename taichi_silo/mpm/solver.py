@@ -13,7 +13,7 @@ from taichi_silo.mpm.filters import Unfiltered
 from taichi_silo.mpm.g2p import affine_of, at_point, before, deform, gradient_of, move, respond
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
-from taichi_silo.mpm.grid_update import integrate_node, second_velocity_of_node
+from taichi_silo.mpm.grid_update import integrate_eights, integrate_node, second_velocity_of_node
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.noise_control import NoiseControl
 from taichi_silo.mpm.nonlocal_average import Local, NonLocal
@@ -123,7 +123,7 @@ class Solver:
             self.grid.hold()
         phases = tuple(self.phases())
         if simd:
-            return Simd(phases, self.particles, self.grid, self.shape, self.surroundings, self.averaging, self.filter)
+            return Simd(phases, self)
         store = Fields(self.particles, self.grid, self.shape, on_tasks)
         return Tasks(phases, store, self) if on_tasks else Threads(phases, store)
 
@@ -171,7 +171,7 @@ class Solver:
             ]
         return [
             Phase(SCATTER, self._scatter, "all"),
-            Phase(NODES, self._integrate, "last"),
+            Phase(NODES, self._integrate, "last", eights=self._integrate_eights),
             *press,
             Phase(POINTS, self._gather, velocity),
             *after,
@@ -263,6 +263,11 @@ class Solver:
             store, self.grid, self.walls, self.surfaces, self.friction, self.control, self.impulses,
             self.down, i, j, step, what == "last",
         )  # fmt: skip
+
+    @ti.func
+    def _integrate_eights(self, store: ti.template(), first, count, j, step):
+        """The same of nodes that no wall holds, eight at once."""
+        integrate_eights(store, self.grid, self.control, self.impulses, self.down, first, count, j, step)
 
     @ti.func
     def _press(self, store: ti.template(), j, step, option: ti.template()):

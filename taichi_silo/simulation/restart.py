@@ -39,7 +39,8 @@ def restore(solver: Solver, kept: dict, points: dict[str, np.ndarray], revision:
     solver.particles.load(points, revision)
     for key, array in kept["nodes"].items():
         if (field := getattr(solver.grid, NODAL[key])) is not None:
-            put(field, array)
+            old = key == "memory" and array.shape == field.shape[::-1]  # of a version that kept it by nodes
+            put(field, array.T if old else array)
     if "surfaces" in kept:
         solver.surfaces.restore(**kept["surfaces"])
     if solver.filter.BETWEEN_LAUNCHES and "filter" in kept:

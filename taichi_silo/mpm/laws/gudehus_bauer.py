@@ -126,7 +126,8 @@ class GudehusBauer:
     def a1_and_tangent(self, deviator):
         """a1 of a normalised deviator T^*, and the gradient of 1/a1 = c1 + c2 ||T^*|| (1 + cos 3 theta) by it.
 
-        With r = ||T^*|| that is c2 [(1/r + 2 sqrt(6) tr T^*^3 / r^4) T^* - 3 sqrt(6) T^*^2 / r^2], less what is isotropic.
+        With r = ||T^*|| the gradient is, less its isotropic part,
+        c2 [(1/r + 2 sqrt(6) tr T^*^3 / r^4) T^* - 3 sqrt(6) T^*^2 / r^2].
         """
         s0, s1, s2, s3 = deviator
         square = inner(deviator, deviator) + 1e-24

@@ -10,13 +10,9 @@ from typing import Any
 import numpy as np
 
 from taichi_silo.mpm import runtime
-from taichi_silo.mpm.contracts import Shape
 from taichi_silo.mpm.executors import Executor, Phase, PhaseLoop
 from taichi_silo.mpm.field_memory import present, put, values
-from taichi_silo.mpm.geometry import Surroundings
-from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.simd.store import HALVES, STRIPS, Groups, Layout
 from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd, eight
@@ -48,17 +44,16 @@ def hindrance(solver: Any) -> str:
 class Simd(Executor):
     """Runs phases over groups of eight points (`executors` says what an executor is, `store.Layout` its arrays)."""
 
-    def __init__(
-        self, phases: tuple[Phase, ...], particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings,
-        averaging: Any, filtering: Any,
-    ):  # fmt: skip
-        self.particles, self.grid, self.shape = particles, grid, shape
+    def __init__(self, phases: tuple[Phase, ...], solver: Any):
+        self.particles, self.grid, self.shape = particles, grid, shape = solver.particles, solver.grid, solver.shape
+        averaging = solver.averaging
         self.threads = runtime.threads()
         self.loop = PhaseLoop(phases, grid, self.threads, turns=HALVES)
-        self.layout = Layout(particles, grid, shape, surroundings, averaging.KEPT)
+        walls = None if solver.surfaces.ACTIVE else solver.walls
+        self.layout = Layout(particles, grid, shape, solver.surroundings, averaging.KEPT, walls)
         self.points = runtime.array(eight, self.layout.groups * self.layout.record)
         self.sums, self.nodal = (runtime.array(eight, grid.nodes) for _ in range(2))
-        filtering.borrow(self.layout, self.loop.barrier, self.points, self.sums, self.nodal)
+        solver.filter.borrow(self.layout, self.loop.barrier, self.points, self.sums, self.nodal)
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.strips = 2  # that the points are cut into
         self.alike: tuple[np.ndarray, ...] = ()  # pairs of strips of the same half, the lower ones and the others
@@ -222,5 +217,4 @@ class Simd(Executor):
         ti.loop_config(block_dim=1)
         for t in range(self.loop.threads):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):  # known while this is compiled
-                store.align(t)
                 self.loop.steps(store, t, done, count, steps, dt, g0, g1, v0, v1, drag, filling_drag, passed)

@@ -175,6 +175,12 @@ def alike(number, x):
 
 
 @ti.func
+def total(x):
+    """The sum of the lanes."""
+    return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]))
+
+
+@ti.func
 def larger(x, limit):
     """The larger of x and a limit, which counts if x is no number: one instruction, where ti.max takes three."""
     return ti.select(x > limit, x, limit)

@@ -8,7 +8,6 @@ of points with the same nodes stay in registers.
 from typing import Any
 
 from taichi_silo.mpm.contracts import Shape
-from taichi_silo.mpm import runtime
 from taichi_silo.mpm.geometry import Surroundings
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.language import ti
@@ -51,19 +50,24 @@ class Layout:
     `order` (field, group * 8) is the number of each point, `particles.count` where there is none. The groups are cut
     into strips of some rows of cells: `first` (STRIPS + 1) has the first group of each, `half` says in which of two
     turns its points add to the nodes; neighbours have different ones, and strips of the same half no rows of nodes in
-    common, so that each strip may be another thread's. `touched` (row) says whether sums of a row are not zero, `reach`
+    common, so that each strip may be another thread's. `free` (row, 2) says from which column on how many times eight
+    nodes are at no wall (`walls`; None: nowhere), `touched` (row) says whether sums of a row are not zero, `reach`
     (STRIPS, 2) the first and last row of nodes that a strip touched.
     """
 
-    def __init__(self, particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings, kept: int):
+    def __init__(
+        self, particles: Particles, grid: Grid, shape: Shape, surroundings: Surroundings, kept: int, walls: tuple | None
+    ):  # fmt: skip
         self.particles, self.grid, self.shape, self.surroundings = particles, grid, shape, surroundings
+        self.walls, self.some_free = walls or (), walls is not None
         self.groups = (particles.count + LANES - 1) // LANES
         widths = [particles.WIDTHS.get(name, 1) for name in particles.names]
         self.record = sum(widths) + kept  # which are its last numbers
         self.begins = {name: sum(widths[:k]) for k, name in enumerate(particles.names)}
         self.order = ti.field(ti.i32, shape=self.groups * LANES)
         self.first, self.half = ti.field(ti.i32, shape=STRIPS + 1), ti.field(ti.i32, shape=STRIPS)
-        self.some = ti.field(real, shape=runtime.threads())
+        self.free = ti.field(ti.i32, shape=(grid.rows, 2))
+        self.some = ti.field(real, shape=1)
         self.touched = ti.field(ti.i32, shape=grid.rows)
         self.reach = ti.field(ti.i32, shape=(STRIPS, 16))
 
@@ -78,7 +82,24 @@ class Groups:
         self.surroundings, self.order = layout.surroundings, layout.order
 
     @ti.func
-    def align(self, t):
+    def begin(self, t, low, high):
+        """Look at which nodes of the rows there are no walls, and align the stack."""
+        self._align(t)
+        for j in range(low, high):
+            self.layout.free[j, 0], self.layout.free[j, 1] = 0, 0
+            if ti.static(self.layout.some_free):
+                first = 0
+                for i in range(self.grid.columns):  # whose last node stays alone
+                    held = i == self.grid.columns - 1
+                    for wall in ti.static(self.layout.walls):
+                        held = held or wall.holds(i, j)
+                    if held:
+                        if (i - first) // LANES > self.layout.free[j, 1]:
+                            self.layout.free[j, 0], self.layout.free[j, 1] = first, (i - first) // LANES
+                        first = i + 1
+
+    @ti.func
+    def _align(self, t):
         """Have vectors that registers cannot hold lie within lines of the cache.
 
         LLVM aligns the stack of a kernel only if it knows before it hands out registers that a vector will be there:
@@ -227,7 +248,7 @@ class Groups:
 
     @ti.func
     def within(self, first):
-        """Number of the first node of a patch; that it is one of the grid's is known, so that addresses need no check."""
+        """Number of the first node of a patch, which is one of the grid's: so addresses are known not to overflow."""
         span = ti.static((self.shape.NODES - 1) * (self.grid.columns + 1))
         return ti.max(0, ti.min(ti.cast(first, ti.i32), self.grid.nodes - 1 - span))
 
@@ -275,6 +296,56 @@ class Groups:
         return total
 
     # --- nodes ----------------------------------------------------------------------------------------------------
+
+    @ti.func
+    def row(self, run: ti.template(), eights: ti.template(), j, step, option: ti.template()):
+        """The phase over nodes, for those of row j: one after the other at walls, eight at once between them."""
+        first, count = self.layout.free[j, 0], self.layout.free[j, 1]
+        for i in range(first):
+            run(self, i, j, step, option)
+        if self.layout.touched[j] != 0:
+            eights(self, first, count, j, step)
+        else:
+            for i in range(first, first + count * LANES):
+                self.grid.forget(j * self.grid.columns + i)
+        for i in range(first + count * LANES, self.grid.columns):
+            run(self, i, j, step, option)
+
+    @ti.func
+    def read_eight_sums(self, k):
+        """Mass, momentum and force of eight nodes from node k on, which are emptied."""
+        a = transposed(
+            self.sums[k], self.sums[k + 1], self.sums[k + 2], self.sums[k + 3], self.sums[k + 4], self.sums[k + 5],
+            self.sums[k + 6], self.sums[k + 7],
+        )  # fmt: skip
+        for n in ti.static(range(LANES)):
+            self.sums[k + n] = eight(0.0)
+        return a[0], a[1], a[2], a[3] + a[4] + a[6], a[5] + a[7]
+
+    @ti.func
+    def write_eight_velocities(self, k, x, y, old):
+        """Velocities of eight nodes from node k on, and their changes from old ones."""
+        a = transposed(x, y, x - old[0], y - old[1], x, y, x, y)
+        for n in ti.static(range(LANES)):
+            self.nodal[k + n] = a[n]
+
+    @ti.func
+    def memories_of(self, k):
+        """What eight nodes from node k on remember."""
+        return self._eight_of(0, k), self._eight_of(1, k), self._eight_of(2, k)
+
+    @ti.func
+    def _eight_of(self, c: ti.template(), k):
+        """A number of the memories of eight nodes from node k on."""
+        m = ti.static(self.grid.memory)
+        return eight(m[c, k], m[c, k + 1], m[c, k + 2], m[c, k + 3], m[c, k + 4], m[c, k + 5], m[c, k + 6], m[c, k + 7])
+
+    @ti.func
+    def remember_eight(self, k, memory):
+        """Set what eight nodes from node k on remember."""
+        for c in ti.static(range(3)):
+            for n in ti.static(range(LANES)):
+                self.grid.memory[c, k + n] = memory[c][n]
 
     @ti.func
     def read_sums(self, i, j, last: ti.template()):
