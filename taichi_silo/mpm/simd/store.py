@@ -288,11 +288,19 @@ class Groups:
     def from_nodes(self, lane: ti.template(), first, sx, gx, sy, gy):
         """The eight slots of one point."""
         k, total = self.within(first[lane]), eight(0.0)
-        for b in ti.static(range(self.shape.NODES)):
-            row = eight(0.0)
-            for a in ti.static(range(self.shape.NODES)):
-                row = row + self.nodal[k + b * self.grid.columns + a] * along_x(sx[a][lane], gx[a][lane])
-            total = total + row * along_y(sy[b][lane], gy[b][lane])
+        if ti.static(self.shape.NODES == 3):
+            x0, x1, x2 = (
+                along_x(sx[0][lane], gx[0][lane]), along_x(sx[1][lane], gx[1][lane]), along_x(sx[2][lane], gx[2][lane])
+            )  # fmt: skip
+            for b in ti.static(range(3)):
+                n = k + b * self.grid.columns
+                row = self.nodal[n] * x0 + self.nodal[n + 1] * x1 + self.nodal[n + 2] * x2
+                total = total + row * along_y(sy[b][lane], gy[b][lane])
+        else:
+            for b in ti.static(range(self.shape.NODES)):
+                for a in ti.static(range(self.shape.NODES)):
+                    weight = along_x(sx[a][lane], gx[a][lane]) * along_y(sy[b][lane], gy[b][lane])
+                    total = total + self.nodal[k + b * self.grid.columns + a] * weight
         return total
 
     # --- nodes ----------------------------------------------------------------------------------------------------

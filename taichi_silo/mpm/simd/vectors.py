@@ -22,13 +22,17 @@ def compiling_simd() -> Iterator[None]:
 
     That is a switch inside Taichi 1.7 and its fork, which end the whole process where they meet an operation that they
     do not know (unary minus, abs, cast, exp, log of a vector): `selftest` tries it first.
+
+    Taichi's own search for equal expressions is left out: for a step it takes four seconds, growing as the square of
+    the statements, and LLVM finds the same.
     """
     configuration = ti.lang.impl.current_cfg()
-    configuration.real_matrix_scalarize = False
+    level = configuration.opt_level
+    configuration.real_matrix_scalarize, configuration.opt_level = False, 0
     try:
         yield
     finally:
-        configuration.real_matrix_scalarize = True
+        configuration.real_matrix_scalarize, configuration.opt_level = True, level
 
 
 @ti.func
