@@ -160,6 +160,10 @@ class Executor:
     def check(self) -> None:
         """Raise RunFailed if threads lost each other."""
 
+    def speed(self) -> float | None:
+        """Greatest speed of a point after the last launch [m/s], if it is known; None: points may have changed."""
+        return None
+
     def state(self) -> dict | None:
         """What outlives a launch beside the fields of points and nodes, for a checkpoint; None if nothing does."""
         return None

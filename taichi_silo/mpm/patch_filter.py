@@ -131,10 +131,12 @@ class PatchFilter:
         self.passes.hold()
         self._read(self.passes.points)
         self.passes.run()
-        self._weigh(self.passes.points)
         if self.felt:
+            self._weigh(self.passes.points)
             self.felt.take_out(self.passes.points)
-        self._take_out(self.passes.points)
+            self._take_out(self.passes.points)
+        else:
+            self._weigh_and_take_out(self.passes.points)
 
     # --- fields, whose components cannot be had where vectors stay vectors of the processor ------------------------
 
@@ -153,25 +155,42 @@ class PatchFilter:
     @ti.kernel
     def _weigh(self, points: arrays_of_eight):
         for p in range(self.particles.places()):
-            if not self.particles.is_there(p):
-                continue
-            path = self.particles.path[p]
-            forgets = 1.0 - exp_minus((path / FORGETS) ** 2)
-            share = 1.0 - exp_minus(forgets * (path - self.path[p]) / STRAIN)
-            self.path[p] = path
-            if points[p][5] > NOWHERE:
-                s = self.particles.stress[p]
-                share *= room(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), self._void_ratio(p))
-                for c in ti.static(range(4)):
-                    points[p][c] *= share
+            if self.particles.is_there(p):
+                self._weigh_point(points, p)
 
     @ti.kernel
     def _take_out(self, points: arrays_of_eight):
         for p in range(self.particles.places()):
-            if self.particles.is_there(p) and points[p][5] > NOWHERE:
-                s, out = self.particles.stress[p], points[p]
-                rest = s[0] - out[0], s[1] - out[1], s[2] - out[2], s[3] - out[3]
-                self.particles.write("stress", p, admissible(self.law, self.particles, p, rest, self._void_ratio(p)))
+            if self.particles.is_there(p):
+                self._take_out_of_point(points, p)
+
+    @ti.kernel
+    def _weigh_and_take_out(self, points: arrays_of_eight):
+        for p in range(self.particles.places()):
+            if self.particles.is_there(p):
+                self._weigh_point(points, p)
+                self._take_out_of_point(points, p)
+
+    @ti.func
+    def _weigh_point(self, points: ti.template(), p):
+        """Of what the passes left of point p the share that is to be taken out."""
+        path = self.particles.path[p]
+        forgets = 1.0 - exp_minus((path / FORGETS) ** 2)
+        share = 1.0 - exp_minus(forgets * (path - self.path[p]) / STRAIN)
+        self.path[p] = path
+        if points[p][5] > NOWHERE:
+            s = self.particles.stress[p]
+            share *= room(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), self._void_ratio(p))
+            for c in ti.static(range(4)):
+                points[p][c] *= share
+
+    @ti.func
+    def _take_out_of_point(self, points: ti.template(), p):
+        """The stress of point p without it."""
+        if points[p][5] > NOWHERE:
+            s, out = self.particles.stress[p], points[p]
+            rest = s[0] - out[0], s[1] - out[1], s[2] - out[2], s[3] - out[3]
+            self.particles.write("stress", p, admissible(self.law, self.particles, p, rest, self._void_ratio(p)))
 
     @ti.func
     def _void_ratio(self, p):

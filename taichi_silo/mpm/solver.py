@@ -212,9 +212,12 @@ class Solver:
 
     def _fastest(self, duration_s: float, gravity: Sequence[float], plate_velocity: Sequence[float]) -> float:
         """How fast a point may become in a time, relative to the grid [m/s]: carried by a plate, or in free fall."""
+        speed = self.executor.speed()
+        if speed is None:
+            speed = self.sums.speed()
         if min(plate_velocity) <= OPENED:
-            return self.sums.speed() + max(map(abs, gravity)) * duration_s
-        return self.sums.speed() + max(map(abs, plate_velocity))
+            return speed + max(map(abs, gravity)) * duration_s
+        return speed + max(map(abs, plate_velocity))
 
     def run_for(
         self, duration_s: float, gravity: float = 0.0, plate_velocity: float = 0.0, safety: float = 0.9

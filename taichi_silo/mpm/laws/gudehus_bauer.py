@@ -74,21 +74,28 @@ class GudehusBauer:
         return self.e_d0 * shrink, self.e_c0 * shrink, self.e_i0 * shrink
 
     @ti.func
-    def factors(self, stress, void_ratio):
-        """What the rate is made of at a stress and a void ratio, and its tangents there.
+    def density(self, stress, void_ratio):
+        """How dense the sand is at its pressure: p [Pa], x = (3p/h_s)^n, exp(x), e exp(x), (e - e_d) / (e_c - e_d).
 
-        Barotropy f_s [Pa], pyknotropy f_d, 1 / tr T [1/Pa]; of ln f_s by ln p and by -e, of f_d by e and by ln p; a1,
-        T^* and the gradient of 1 / a1 by it. The void ratio is kept within e_d and e_i: e_d0 and e_i0 are the limits
-        of e exp[(3p/h_s)^n].
+        The void ratio is kept within e_d and e_i: e exp(x), which it would be without pressure, in e_d0 and e_i0.
         """
         pressure = pressure_of(stress)
         pressure = larger(pressure, alike(self.rest_stress, pressure))
         crowding = power(pressure * (3.0 / self.granular_hardness_Pa), self.n)
         spread = exp_plus(crowding)
-        per_pressure = 1.0 / pressure
-        e = smaller(void_ratio * spread, alike(self.e_i0, spread))  # as it would be without pressure
-        above = larger(e - self.e_d0, alike(0.0, e)) * (1.0 / (self.e_c0 - self.e_d0))  # (e - e_d) / (e_c - e_d)
-        some = larger(above, alike(1e-6, e))
+        e = smaller(void_ratio * spread, alike(self.e_i0, spread))
+        above = larger(e - self.e_d0, alike(0.0, e)) * (1.0 / (self.e_c0 - self.e_d0))
+        return pressure, crowding, spread, e, above
+
+    @ti.func
+    def factors(self, stress, void_ratio):
+        """What the rate is made of at a stress and a void ratio, and its tangents there.
+
+        Barotropy f_s [Pa], pyknotropy f_d, 1 / tr T [1/Pa]; the derivatives of ln f_s by ln p and by -e, of f_d by e
+        and by ln p; then what `a1_and_tangent` gives. Divisions cost more than all the rest: three share one.
+        """
+        pressure, crowding, spread, e, above = self.density(stress, void_ratio)
+        per_pressure, some = 1.0 / pressure, larger(above, alike(1e-6, e))
         by_some = e * some
         share = 1.0 / (crowding * by_some)
         per_crowding, per_e, per_above = share * by_some, share * (crowding * some), share * (crowding * e)
@@ -181,7 +188,12 @@ class GudehusBauer:
     @ti.func
     def room(self, stress, void_ratio):
         """How far sand is from being as dense as it can be under its pressure: f_d / ROOMY, at most 1."""
-        return ti.min(1.0, self.factors(stress, void_ratio)[1] * (1.0 / ROOMY))
+        _, _, _, _, above = self.density(stress, void_ratio)
+        limit = ROOMY ** (1.0 / self.alpha)
+        found = alike(1.0, above)
+        if greatest(limit - above) > 0.0:
+            found = power(smaller(above * (1.0 / limit), alike(1.0, above)), self.alpha, 1.0)
+        return found
 
     @ti.func
     def stiffness(self, stress, void_ratio):

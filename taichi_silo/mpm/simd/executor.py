@@ -62,6 +62,7 @@ class Simd(Executor):
         self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), reach) + 2
         self.gap = max(0, reach - shape.NODES)  # rows of nodes that must stay between their nodes
         self.compiled = False
+        self.fastest = (-1, 0.0)  # revision of the particles, and greatest speed [m/s]
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
         """Sort, take the state over from the fields, do all steps in one launch, and hand the state back."""
@@ -75,13 +76,18 @@ class Simd(Executor):
             with compiling_simd():
                 self._steps(*given)
             self.compiled = True
-        self._store(self.points)
+        self.fastest = self.particles.revision, math.sqrt(self._store(self.points))
         if self.strips > 2 and self._crowded():
             self.sorted = (-1, 0.0)
 
     def check(self) -> None:
         """See `Barrier`."""
         self.loop.barrier.check()
+
+    def speed(self) -> float | None:
+        """Greatest speed of a point [m/s], if no other points were loaded since the last launch."""
+        revision, speed = self.fastest
+        return speed if revision == self.particles.revision else None
 
     def state(self) -> dict | None:
         """What outlives a launch beside the fields: the order of the points, and when they were sorted."""
@@ -195,7 +201,10 @@ class Simd(Executor):
                 nodal[k][lane] = 0.0
 
     @ti.kernel
-    def _store(self, points: arrays_of_eight):
+    def _store(self, points: arrays_of_eight) -> real:
+        """Hand the state back; returns the square of the greatest speed [m2/s2]."""
+        greatest = ti.cast(0.0, real)
+        ti.loop_config(serialize=True)
         for g in range((self.particles.active[None] + LANES - 1) // LANES):
             for lane in range(ti.min(LANES, self.particles.active[None] - g * LANES)):
                 p = self.layout.order[g * LANES + lane]
@@ -207,6 +216,8 @@ class Simd(Executor):
                     else:
                         for c in ti.static(range(width)):
                             ti.static(self.particles.fields[name])[p][c] = points[k + c][lane]
+                greatest = ti.max(greatest, self.particles.velocity[p].norm_sqr())
+        return greatest
 
     @ti.kernel
     def _steps(
