@@ -131,10 +131,10 @@ class GudehusBauer:
 
     @ti.func
     def a1_and_tangent(self, deviator):
-        """a1 of a normalised deviator T^*, and the gradient of 1/a1 = c1 + c2 ||T^*|| (1 + cos 3 theta) by it.
+        """a1 of a normalised deviator T^*, and of 1/a1 = c1 + c2 ||T^*|| (1 + cos 3 theta) the tangent there.
 
-        With r = ||T^*|| the gradient is, less its isotropic part,
-        c2 [(1/r + 2 sqrt(6) tr T^*^3 / r^4) T^* - 3 sqrt(6) T^*^2 / r^2].
+        The tangent is level + G : T^*; returned are a1, the level and the four components of G. With r = ||T^*|| and
+        less its isotropic part G = c2 [(1/r + 2 sqrt(6) tr T^*^3 / r^4) T^* - 3 sqrt(6) T^*^2 / r^2].
         """
         s0, s1, s2, s3 = deviator
         square = inner(deviator, deviator) + 1e-24
@@ -159,7 +159,7 @@ class GudehusBauer:
         f_s, f_d, per_trace, _, _, _, _, a1, level, g0, g1, g2, g3 = factors
         relative = scaled(stress, per_trace)
         deviator = shifted(relative, pressure_of(relative))
-        a1 = a1 * (2.0 - a1 * (level + inner((g0, g1, g2, g3), deviator)))
+        a1 = a1 * (2.0 - a1 * (level + inner((g0, g1, g2, g3), deviator)))  # 1 over the tangent, by Newton's rule
         return f_s * a1 * a1, f_s, relative, scaled(added(relative, deviator, 1.0), f_s * f_d * a1)
 
     @ti.func

@@ -104,6 +104,14 @@ def test_eight_at_once_on_two_threads_do_what_they_do_on_one_bit_by_bit(name):
     assert all((field == two[key]).all() for key, field in one.items())
 
 
+def test_nodes_that_no_wall_holds_move_eight_at_once():
+    """Between the walls of a silo of ten cells there are nine nodes; a floor holds all, a hopper's walls reach any."""
+    first, eights = stepped("very rough", EIGHT)[1].executor.layout.free.to_numpy().T
+    assert (first[5], eights[5]) == (3, 1)
+    assert eights[0] == 0
+    assert not stepped("hopper", EIGHT)[1].executor.layout.free.to_numpy()[:, 1].any()
+
+
 def column():
     """A solver of an elastic column on lanes, high enough for many strips."""
     runtime.init()

@@ -52,6 +52,35 @@ def test_rates_and_guards_are_those_of_the_kernels_to_round_off(name):
         assert back[k].ravel() == pytest.approx(np.array(pulled_back(kernels, *one)), rel=1e-12, abs=1e-12)
 
 
+def test_factors_taken_over_err_by_the_square_of_what_has_changed():
+    """What the second rate of a step takes over of the first: a tenth of the strain, a hundredth of the error."""
+    law = law_on_arrays(GudehusBauer)(**SANDS["karlsruhe"])
+    random = np.random.default_rng(2)
+    shares = random.uniform([[0.5], [0.9], [0.5], [-0.2]], [[1.0], [1.0], [1.0], [0.2]], (4, 200))
+    stress = -(10.0 ** random.uniform(3.0, 5.0, 200)) * shares
+    e, strain = random.uniform(0.6, 0.8, 200), random.normal(size=(4, 200))
+    strain /= np.sqrt((strain**2).sum(axis=0))
+
+    def missed(size):
+        """Of the second rate, over the change of the rate."""
+        D = tuple(size * strain)
+        factors = law.factors(tuple(stress), e)
+        first = law.rate(tuple(stress), None, factors, D, norm_of(D))
+        later, swelling = tuple(stress + np.array(first)), (1.0 + e) * (D[0] + D[1] + D[2])
+        taken_over = law.advanced_factors(factors, first[0] + first[1] + first[2], swelling)
+        second = np.array(law.rate(later, None, taken_over, D, norm_of(D)))
+        own = np.array(law.rate(later, None, law.factors(later, e + swelling), D, norm_of(D)))
+        return np.abs(second - own).max(axis=0) / np.abs(own).max(axis=0)
+
+    large, small = missed(1e-5), missed(1e-6)
+    assert np.quantile(large, 0.9) < 1e-3
+    assert np.median(small / large) == pytest.approx(0.01, rel=0.1)
+
+
+def norm_of(D):
+    return np.sqrt(D[0] ** 2 + D[1] ** 2 + D[2] ** 2 + 2.0 * D[3] ** 2)
+
+
 def test_constants_may_be_arrays():
     """Each column is the law with the constants of that column."""
     many = {key: np.array([sand[key] for sand in SANDS.values()]) for key in CONSTANTS}
