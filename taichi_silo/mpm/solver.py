@@ -310,9 +310,9 @@ class Solver:
     @ti.func
     def _respond(self, store: ti.template(), p, t, step, option: ti.template()):
         """Stress of point p under its kept strain rate and the non-local norm of it."""
+        known = before(store, self.law, p)
         d0, d1, d2, d3, spin, length = self.averaging.kept(store, p)
         d_bar = self.averaging.mean(store, p)
-        known = before(store, self.law, p)
         respond(known, store, self.law, p, (d0, d1, d2, d3), spin, length, d_bar, step.dt)
 
     # --- a point --------------------------------------------------------------------------------------------------

@@ -102,7 +102,7 @@ class Simd(Executor):
             if the order names points that are not there.
 
         """
-        self.sorted = (-1, 0.0)
+        self.sorted = self.fastest = (-1, 0.0)
         if state:
             if not ((state["order"] >= 0) & (state["order"] <= self.particles.count)).all():
                 raise ValueError("the order names points that are not there")
