@@ -177,7 +177,7 @@ class Threads(Executor):
     """Plain loops on the threads of a processor, each with its own points, rows and copy of the sums."""
 
     def __init__(self, phases: tuple[Phase, ...], store: Fields):
-        self.threads, self.store = runtime.threads(), store
+        self.threads, self.store, self.alone = runtime.threads(), store, runtime.alone()
         if store.grid.copies != self.threads:
             raise ValueError(f"grid has {store.grid.copies} copies of its sums; {self.threads} threads need as many")
         self.loop = PhaseLoop(phases, store.grid, self.threads)
@@ -195,6 +195,6 @@ class Threads(Executor):
         self, done: ti.i32, count: ti.i32, steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real,
         drag: real, filling_drag: real, passed: ti.i32,
     ):  # fmt: skip
-        ti.loop_config(block_dim=1)
+        ti.loop_config(block_dim=1, serialize=self.alone)
         for t in range(self.loop.threads):
             self.loop.steps(self.store, t, done, count, steps, dt, g0, g1, v0, v1, drag, filling_drag, passed)

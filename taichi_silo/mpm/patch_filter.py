@@ -32,6 +32,7 @@ from typing import Any
 
 import numpy as np
 
+from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Law
 from taichi_silo.mpm.executors import Barrier, Phase
 from taichi_silo.mpm.felt_part import FeltPart
@@ -71,7 +72,7 @@ class PatchFilter:
         self, particles: Particles, grid: Grid, law: Law, mirrored: bool = False, felt: FeltPart | None = None
     ):
         self.felt, self.waits = felt, felt is not None  # for flow
-        self.particles, self.grid, self.law = particles, grid, law
+        self.particles, self.grid, self.law, self.alone = particles, grid, law, runtime.alone()
         self.path = ti.field(real, shape=particles.count)  # of the strain at the last turn
         self.ACTIVE = self.BETWEEN_LAUNCHES = getattr(law, "FORGETS", True)
         self.revision, self.way, self.steps = -1, 0.0, 0  # of the points; way [cells] and steps since the last turn
@@ -142,6 +143,7 @@ class PatchFilter:
 
     @ti.kernel
     def _read(self, points: arrays_of_eight):
+        ti.loop_config(serialize=self.alone)
         for p in range(self.particles.places()):
             if not self.particles.is_there(p):
                 continue
@@ -154,18 +156,21 @@ class PatchFilter:
 
     @ti.kernel
     def _weigh(self, points: arrays_of_eight):
+        ti.loop_config(serialize=self.alone)
         for p in range(self.particles.places()):
             if self.particles.is_there(p):
                 self._weigh_point(points, p)
 
     @ti.kernel
     def _take_out(self, points: arrays_of_eight):
+        ti.loop_config(serialize=self.alone)
         for p in range(self.particles.places()):
             if self.particles.is_there(p):
                 self._take_out_of_point(points, p)
 
     @ti.kernel
     def _weigh_and_take_out(self, points: arrays_of_eight):
+        ti.loop_config(serialize=self.alone)
         for p in range(self.particles.places()):
             if self.particles.is_there(p):
                 self._weigh_point(points, p)

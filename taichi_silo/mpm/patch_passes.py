@@ -56,7 +56,7 @@ class PatchPasses:
         self.particles, self.grid, self.mirrored = particles, grid, mirrored
         self.weights = UniformGimp(0.5)
         self.shared = not runtime.is_cpu()
-        self.threads = runtime.threads()
+        self.threads, self.alone = runtime.threads(), runtime.alone()
         self.barrier = Barrier(self.threads)
         self.layout: Any = None  # of the vector unit, if it has lent its arrays
         self.lists: Any = CellLists(particles, grid, self.weights) if self.shared else None
@@ -87,7 +87,7 @@ class PatchPasses:
 
     @ti.kernel
     def _pass(self, points: arrays_of_eight, sums: arrays_of_eight, means: arrays_of_eight, passed: ti.i32):
-        ti.loop_config(block_dim=1)
+        ti.loop_config(block_dim=1, serialize=self.alone)
         for t in range(self.threads):
             for kind, times in ti.static(enumerate((1, 1, PASSES - 1))):  # from the third on they are alike
                 for again in range(times):

@@ -196,3 +196,8 @@ def _running() -> str:
 def threads() -> int:
     """Number of CPU threads that share a step; 1 on a GPU."""
     return ti.lang.impl.current_cfg().cpu_max_num_threads if is_cpu() else 1
+
+
+def alone() -> bool:
+    """Whether one thread of a processor does everything: that which calls a kernel, so that its cache stays warm."""
+    return is_cpu() and threads() == 1

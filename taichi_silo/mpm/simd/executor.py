@@ -47,7 +47,7 @@ class Simd(Executor):
     def __init__(self, phases: tuple[Phase, ...], solver: Any):
         self.particles, self.grid, self.shape = particles, grid, shape = solver.particles, solver.grid, solver.shape
         averaging = solver.averaging
-        self.threads = runtime.threads()
+        self.threads, self.alone = runtime.threads(), runtime.alone()
         self.loop = PhaseLoop(phases, grid, self.threads, turns=HALVES)
         walls = None if solver.surfaces.ACTIVE else solver.walls
         self.layout = Layout(particles, grid, shape, solver.surroundings, averaging.KEPT, walls)
@@ -56,7 +56,6 @@ class Simd(Executor):
         solver.filter.borrow(self.layout, self.loop.barrier, self.points, self.sums, self.nodal)
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.strips = 2  # that the points are cut into
-        self.alike: tuple[np.ndarray, ...] = ()  # pairs of strips of the same half, the lower ones and the others
         # rows of cells between points of strips with the same sums: no common node, and a row that either may move
         reach = math.ceil(averaging.reach_m / min(grid.cell_size, grid.first_cell_height))
         self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), reach) + 2
@@ -76,8 +75,9 @@ class Simd(Executor):
             with compiling_simd():
                 self._steps(*given)
             self.compiled = True
-        self.fastest = self.particles.revision, math.sqrt(self._store(self.points))
-        if self.strips > 2 and self._crowded():
+        squared = self._store(self.points)
+        self.fastest = self.particles.revision, math.sqrt(abs(squared))
+        if squared < 0.0:
             self.sorted = (-1, 0.0)
 
     def check(self) -> None:
@@ -161,13 +161,17 @@ class Simd(Executor):
         first, last = rows[ends[:-1]], rows[np.minimum(ends[1:], len(rows)) - 1]
         return bool((first[2:] - last[:-2] >= self.apart).all())
 
-    def _crowded(self) -> bool:
+    @ti.func
+    def _crowded(self):
         """Whether strips with the same sums have come closer than a row of nodes and the gap."""
-        reach = present(self.layout.reach)
-        low, high = reach[:, 0], reach[:, 1]
-        holds = low < high
-        before, after = self.alike
-        return bool((holds[before] & holds[after] & (low[after] <= high[before] + self.gap)).any())
+        found = False
+        for one in range(STRIPS):
+            low, high = self.layout.reach[one, 0], self.layout.reach[one, 1]
+            for other in range(one + 1, STRIPS):
+                first, last = self.layout.reach[other, 0], self.layout.reach[other, 1]
+                alike = self.layout.half[one] == self.layout.half[other] and low < high and first < last
+                found = found or (alike and first <= high + self.gap)
+        return found
 
     def _cut(self, count: int) -> None:
         """Cut the points into so many strips, a power of 2; the others are empty."""
@@ -177,10 +181,10 @@ class Simd(Executor):
         put(self.layout.first, bounds[-(-slots // every)])
         half = slots[:-1] // every % HALVES
         put(self.layout.half, half)
-        self.alike = np.nonzero(np.triu(half[:, None] == half, 1))
 
     @ti.kernel
     def _load(self, points: arrays_of_eight, nodal: arrays_of_eight):
+        ti.loop_config(serialize=self.alone)
         for g in range(self.layout.groups):
             for lane in range(LANES):
                 p, scale = self.layout.order[g * LANES + lane], ti.cast(1.0, real)
@@ -196,15 +200,16 @@ class Simd(Executor):
                     else:
                         for c in ti.static(range(width)):
                             points[k + c][lane] = ti.static(self.particles.fields[name])[p][c]
+        ti.loop_config(serialize=self.alone)
         for k in range(self.grid.nodes):  # which somebody may have borrowed
             for lane in ti.static(range(LANES)):
                 nodal[k][lane] = 0.0
 
     @ti.kernel
     def _store(self, points: arrays_of_eight) -> real:
-        """Hand the state back; returns the square of the greatest speed [m2/s2]."""
+        """Hand the state back; returns the square of the greatest speed [m2/s2], less than 0 if strips are crowded."""
         greatest = ti.cast(0.0, real)
-        ti.loop_config(serialize=True)
+        ti.loop_config(serialize=self.alone)
         for g in range((self.particles.active[None] + LANES - 1) // LANES):
             for lane in range(ti.min(LANES, self.particles.active[None] - g * LANES)):
                 p = self.layout.order[g * LANES + lane]
@@ -216,7 +221,9 @@ class Simd(Executor):
                     else:
                         for c in ti.static(range(width)):
                             ti.static(self.particles.fields[name])[p][c] = points[k + c][lane]
-                greatest = ti.max(greatest, self.particles.velocity[p].norm_sqr())
+                ti.atomic_max(greatest, self.particles.velocity[p].norm_sqr())
+        if self._crowded():
+            greatest = -1e-300 - greatest
         return greatest
 
     @ti.kernel
@@ -225,7 +232,7 @@ class Simd(Executor):
         steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real, drag: real, filling_drag: real,
         passed: ti.i32,
     ):  # fmt: skip
-        ti.loop_config(block_dim=1)
+        ti.loop_config(block_dim=1, serialize=self.alone)
         for t in range(self.loop.threads):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):  # known while this is compiled
                 self.loop.steps(store, t, done, count, steps, dt, g0, g1, v0, v1, drag, filling_drag, passed)

@@ -84,7 +84,7 @@ class Groups:
     @ti.func
     def begin(self, t, low, high):
         """Look at which nodes of the rows there are no walls, and align the stack."""
-        self._align(t)
+        self._align()
         for j in range(low, high):
             self.layout.free[j, 0], self.layout.free[j, 1] = 0, 0
             if ti.static(self.layout.some_free):
@@ -99,14 +99,14 @@ class Groups:
                         first = i + 1
 
     @ti.func
-    def _align(self, t):
+    def _align(self):
         """Have vectors that registers cannot hold lie within lines of the cache.
 
         LLVM aligns the stack of a kernel only if it knows before it hands out registers that a vector will be there:
         one of whose numbers only the run says which is asked for.
         """
         some = self.points[0] + self.points[1]
-        self.layout.some[0] = some[t % LANES]
+        self.layout.some[0] = some[self.layout.first[1] % LANES]
 
     # --- fields of the points of group g -------------------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 """Snapshots of the state of all points, which ParaView opens, and from which films are drawn afterwards."""
 
 import csv
+import time
 from pathlib import Path
 
 from taichi_silo.runs import snapshot
@@ -8,6 +9,7 @@ from taichi_silo.runs.observers import Observer
 from taichi_silo.utils import atomic_write
 
 TOLERANCE = 1e-9  # of a displacement, in metres
+LIST_EVERY_S = 1.0  # lists are written at most so often, and whenever a checkpoint is
 OF_FILLING = 0.1  # as many of the filling as of the flow, times this
 
 
@@ -30,6 +32,7 @@ class Snapshots(Observer):
         self.folder, self.between = folder / "snapshots", between
         self.wanted = sorted(displacements_m)
         self.unsynced: set[Path] = set()
+        self.listed, self.listed_at = True, 0.0  # whether the lists hold all rows, and when they were written
 
     def begin(self, simulation) -> None:
         """Write the unstressed fill."""
@@ -89,6 +92,8 @@ class Snapshots(Observer):
         self._sync()
 
     def _sync(self) -> None:
+        if not self.listed:
+            self._list()
         for file in self.unsynced:
             atomic_write.sync(file)
         atomic_write.sync(self.folder)
@@ -107,10 +112,13 @@ class Snapshots(Observer):
                 "displacement_m": simulation.displacement,
             }
         )
-        self._list()
+        self.listed = False
+        if time.monotonic() - self.listed_at > LIST_EVERY_S:
+            self._list()
 
     def _list(self) -> None:
         """Write both lists of what there is."""
+        self.listed, self.listed_at = True, time.monotonic()
         index, collection = self.folder / "index.csv", self.folder / "silo.pvd"
         self.unsynced |= {index, collection}
         with (
