@@ -221,9 +221,15 @@ class Simd(Executor):
                     else:
                         for c in ti.static(range(width)):
                             ti.static(self.particles.fields[name])[p][c] = points[k + c][lane]
-                ti.atomic_max(greatest, self.particles.velocity[p].norm_sqr())
-        if self._crowded():
-            greatest = -1e-300 - greatest
+                squared = self.particles.velocity[p].norm_sqr()
+                if ti.static(self.alone):
+                    greatest = ti.max(greatest, squared)
+                else:
+                    ti.atomic_max(greatest, squared)
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            if self._crowded():
+                greatest = -1e-300 - greatest
         return greatest
 
     @ti.kernel
