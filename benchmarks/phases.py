@@ -49,15 +49,15 @@ class Phases:
         ti.loop_config(serialize=True)
         for _ in range(1):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
-                step = self._step(store, dt, steps)
+                step = self._step(store, dt)
                 for _step in range(steps):
                     for turn in range(HALVES):
                         store.scatter(self.scatter_run, 0, 1, step, "all", turn)
 
     @ti.func
-    def _step(self, store: ti.template(), dt, steps):
+    def _step(self, store: ti.template(), dt):
         """What varies from step to step, and what comes before the first."""
-        store.begin(steps, 0, self.s.grid.rows)
+        store.begin(0, self.s.grid.rows)
         return Step(dt=dt, gravity=9.81, plate_velocity=0.0, drag=100.0, filling_drag=0.0)
 
     @ti.kernel
@@ -66,7 +66,7 @@ class Phases:
         ti.loop_config(serialize=True)
         for _ in range(1):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
-                step = self._step(store, 0.0 * dt, steps)
+                step = self._step(store, 0.0 * dt)
                 for _step in range(steps):
                     for j in range(self.s.grid.rows):
                         self.layout.touched[j] = 1  # the pass empties them, and passes by empty rows
@@ -80,7 +80,7 @@ class Phases:
         ti.loop_config(serialize=True)
         for _ in range(1):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
-                self._step(store, dt, steps)
+                self._step(store, dt)
                 for _step in range(steps):
                     for g in range(self.layout.groups):
                         t = store.gather(self.s.grid.velocity, g, 0)
@@ -93,7 +93,7 @@ class Phases:
         ti.loop_config(serialize=True)
         for _ in range(1):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
-                step = self._step(store, 1e-3 * dt, steps)
+                step = self._step(store, 1e-3 * dt)
                 for _step in range(steps):
                     for g in range(self.layout.groups):
                         self.points_run(store, g, 0, step, self.s.grid.velocity)

@@ -125,7 +125,7 @@ class PhaseLoop:
         """Steps `done` to `done + count` of so many on thread t."""
         first, last = store.points_of(t, self.threads)
         low, high = t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads
-        store.begin(t, low, high)
+        store.begin(low, high)
         for number in range(count):
             step = step_at(done + number, steps, dt, g0, g1, v0, v1, drag, filling_drag)
             for before, waits, over, run, option, rows, eights in ti.static(self.phases):

@@ -16,8 +16,8 @@ the vector unit holds (`simd.store`). A store offers
     to entry k of a sum that others of the same copy add to.
 `gather(field, p, t)`
     what `g2p.gather` finds for point p.
-`begin(t, low, high)`, `row(run, eights, j, step, option)`
-    what thread t, whose rows are `low` to `high`, does before its steps; a phase over the nodes of row j.
+`begin(low, high)`, `row(run, eights, j, step, option)`
+    what a thread, whose rows are `low` to `high`, does before its steps; a phase over the nodes of row j.
 `read_sums(i, j, last)`, `write_velocity(k, x, y, old)`
     mass, momentum (2) and force (2) of node (i, j), which are emptied; velocity and change of node k.
 `clear_axis(k, j)`, `fold(k, image, j)`, `unfold(k, image)`
@@ -86,7 +86,7 @@ class Fields:
         return g2p.gather(self.particles, self.grid, self.shape, field, p, t)
 
     @ti.func
-    def begin(self, t, low, high):
+    def begin(self, low, high):
         """Nothing to do before the steps."""
 
     @ti.func

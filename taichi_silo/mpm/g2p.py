@@ -138,8 +138,8 @@ def memory_of(points: ti.template(), law: ti.template(), p):
 def before(points: ti.template(), law: ti.template(), p):
     """What the response of point p needs of its state before the step: void ratio, mass and the law's factors.
 
-    They wait for each other longer than for anything else in a step, and need nothing from the nodes: a processor that
-    is told so before it gathers computes both at once.
+    The factors are a long chain of operations, each of which waits for the one before it, and need nothing from the
+    nodes. Computed before the point gathers, the chain and the gathering run side by side in the processor.
     """
     volume, mass = points.read("volume", p), points.read("mass", p)
     void_ratio = volume * law.grain_density / mass - 1.0

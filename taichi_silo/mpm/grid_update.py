@@ -140,19 +140,19 @@ def integrate_eights(
         # so limited addresses are known not to overflow
         k = ti.max(0, ti.min(j * grid.columns + first + n * LANES, grid.nodes - LANES))
         m, px, py, fx, fy = nodes.read_eight_sums(k)
-        there, nothing, one = m > 0.0, eight(0.0), eight(1.0)
-        per_m = 1.0 / ti.select(there, m, one)
+        some = ti.select(m > 0.0, m, eight(1.0))
+        per_m = 1.0 / some
         old = px * per_m, py * per_m
         x = old[0] + step.dt * (fx * per_m + step.gravity * down[0])
         y = old[1] + step.dt * (fy * per_m + step.gravity * down[1])
         memory = recalled(grid, step, j, m, nodes.memories_of(k))
         if ti.static(control.brakes):
-            braking_x, braking_y = braking(step, ti.select(there, m, one), old, memory)
+            braking_x, braking_y = braking(step, some, old, memory)
             x, y = x + braking_x, y + braking_y
             impulse_x, impulse_y = impulse_x + m * braking_x, impulse_y + m * braking_y
         if ti.static(control.drag > 0.0):
             a, b, c = remembered(memory, step.dt / control.memory_time, m, x, y)
-            nodes.remember_eight(k, (a, b, ti.select(there, c, nothing)))
+            nodes.remember_eight(k, (a, b, ti.select(m > 0.0, c, eight(0.0))))
         nodes.write_eight_velocities(k, x, y, old)
     if ti.static(control.brakes):
         impulses.add_damping(j, j * grid.columns, (total(impulse_x), total(impulse_y)))

@@ -133,11 +133,9 @@ class PatchFilter:
         self._read(self.passes.points)
         self.passes.run()
         if self.felt:
-            self._weigh(self.passes.points)
+            self._finish(self.passes.points, True, False)
             self.felt.take_out(self.passes.points)
-            self._take_out(self.passes.points)
-        else:
-            self._weigh_and_take_out(self.passes.points)
+        self._finish(self.passes.points, not self.felt, True)
 
     # --- fields, whose components cannot be had where vectors stay vectors of the processor ------------------------
 
@@ -155,29 +153,17 @@ class PatchFilter:
             points[p] = eight(s[0], s[1], s[2], s[3], x, y, 0.0, 0.0)
 
     @ti.kernel
-    def _weigh(self, points: arrays_of_eight):
+    def _finish(self, points: arrays_of_eight, weighs: ti.template(), takes_out: ti.template()):
         ti.loop_config(serialize=self.alone)
         for p in range(self.particles.places()):
             if self.particles.is_there(p):
-                self._weigh_point(points, p)
-
-    @ti.kernel
-    def _take_out(self, points: arrays_of_eight):
-        ti.loop_config(serialize=self.alone)
-        for p in range(self.particles.places()):
-            if self.particles.is_there(p):
-                self._take_out_of_point(points, p)
-
-    @ti.kernel
-    def _weigh_and_take_out(self, points: arrays_of_eight):
-        ti.loop_config(serialize=self.alone)
-        for p in range(self.particles.places()):
-            if self.particles.is_there(p):
-                self._weigh_point(points, p)
-                self._take_out_of_point(points, p)
+                if ti.static(weighs):
+                    self._weigh(points, p)
+                if ti.static(takes_out):
+                    self._take_out(points, p)
 
     @ti.func
-    def _weigh_point(self, points: ti.template(), p):
+    def _weigh(self, points: ti.template(), p):
         """Of what the passes left of point p the share that is to be taken out."""
         path = self.particles.path[p]
         forgets = 1.0 - exp_minus((path / FORGETS) ** 2)
@@ -190,7 +176,7 @@ class PatchFilter:
                 points[p][c] *= share
 
     @ti.func
-    def _take_out_of_point(self, points: ti.template(), p):
+    def _take_out(self, points: ti.template(), p):
         """The stress of point p without it."""
         if points[p][5] > NOWHERE:
             s, out = self.particles.stress[p], points[p]

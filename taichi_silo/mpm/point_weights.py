@@ -5,7 +5,7 @@
 
 from taichi_silo.mpm.grid import MARGIN
 from taichi_silo.mpm.language import ti
-from taichi_silo.mpm.simd.lane_maths import alike, larger, smaller
+from taichi_silo.mpm.simd.lane_maths import larger, smaller
 
 
 @ti.func
@@ -31,8 +31,8 @@ def weights(points: ti.template(), grid: ti.template(), shape: ti.template(), p,
     i, j = i + MARGIN, j + MARGIN
     # a point that has left the grid (the guard will stop the run) must not write outside it
     if ti.static(not grid.periodic):
-        i = larger(smaller(i, alike(grid.columns - shape.NODES, i)), alike(0.0, i))
-    j = larger(smaller(j, alike(grid.rows - shape.NODES, j)), alike(0.0, j))
+        i = larger(smaller(i, float(grid.columns - shape.NODES)), 0.0)
+    j = larger(smaller(j, float(grid.rows - shape.NODES)), 0.0)
     return i, sx, gx, j, sy, gy
 
 

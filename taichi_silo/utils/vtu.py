@@ -12,7 +12,7 @@ import numpy as np
 
 from taichi_silo.utils import atomic_write
 
-LEVEL = 1  # of zlib: the noise of floating-point numbers packs no better with more, and runs of zeros as well
+LEVEL = 1  # of zlib: the noise of floating-point numbers packs no better with more
 BLOCK = 1 << 20  # bytes of an array that are packed at once
 KINDS = {"float64": "Float64", "float32": "Float32", "int64": "Int64", "int32": "Int32", "uint8": "UInt8"}
 MOST_POINTS, MOST_COMPONENTS = 100_000_000, 9
@@ -98,8 +98,7 @@ def _write_array(
     stream.write(base64.b64encode(header.tobytes()))
     left = b""
     for number, block in enumerate(_blocks(first, rest)):
-        packing = zlib.compressobj(LEVEL, strategy=zlib.Z_RLE)
-        packed = packing.compress(block) + packing.flush()
+        packed = zlib.compress(block, LEVEL)
         header[3 + number] = len(packed)
         left += packed
         whole = len(left) - len(left) % 3  # base64 writes three bytes in four characters

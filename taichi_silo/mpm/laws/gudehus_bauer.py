@@ -77,14 +77,14 @@ class GudehusBauer:
     def density(self, stress, void_ratio):
         """How dense the sand is at its pressure: p [Pa], x = (3p/h_s)^n, exp(x), e exp(x), (e - e_d) / (e_c - e_d).
 
-        The void ratio is kept within e_d and e_i: e exp(x), which it would be without pressure, in e_d0 and e_i0.
+        The void ratio counts as at most e_i, so that e exp(x), which it would be without pressure, is at most e_i0.
         """
         pressure = pressure_of(stress)
-        pressure = larger(pressure, alike(self.rest_stress, pressure))
+        pressure = larger(pressure, self.rest_stress)
         crowding = power(pressure * (3.0 / self.granular_hardness_Pa), self.n)
         spread = exp_plus(crowding)
-        e = smaller(void_ratio * spread, alike(self.e_i0, spread))
-        above = larger(e - self.e_d0, alike(0.0, e)) * (1.0 / (self.e_c0 - self.e_d0))
+        e = smaller(void_ratio * spread, self.e_i0)
+        above = larger(e - self.e_d0, 0.0) * (1.0 / (self.e_c0 - self.e_d0))
         return pressure, crowding, spread, e, above
 
     @ti.func
@@ -95,7 +95,7 @@ class GudehusBauer:
         and by ln p; then what `a1_and_tangent` gives. Divisions cost more than all the rest: three share one.
         """
         pressure, crowding, spread, e, above = self.density(stress, void_ratio)
-        per_pressure, some = 1.0 / pressure, larger(above, alike(1e-6, e))
+        per_pressure, some = 1.0 / pressure, larger(above, 1e-6)
         by_some = e * some
         share = 1.0 / (crowding * by_some)
         per_crowding, per_e, per_above = share * by_some, share * (crowding * some), share * (crowding * e)
@@ -109,46 +109,46 @@ class GudehusBauer:
         loosening = (self.alpha / (self.e_c0 - self.e_d0)) * f_d * per_above
         per_trace = per_pressure * (-1.0 / 3.0)
         T = scaled(stress, per_trace)
-        a1, level, g0, g1, g2, g3 = self.a1_and_tangent(shifted(T, pressure_of(T)))
+        a1, g0, g1, g2, g3 = self.a1_and_tangent(shifted(T, pressure_of(T)))
         return (
             f_s, f_d, per_trace, stiffening, softening, loosening * spread, loosening * e * fading,
-            a1, level, g0, g1, g2, g3,
+            a1, g0, g1, g2, g3,
         )  # fmt: skip
 
     @ti.func
     def advanced_factors(self, factors, growth_of_trace, swelling):
         """The factors after small changes of tr T [Pa] and of the void ratio."""
-        f_s, f_d, per_trace, stiffening, softening, loosening, crowding, a1, level, g0, g1, g2, g3 = factors
+        f_s, f_d, per_trace, stiffening, softening, loosening, crowding, a1, g0, g1, g2, g3 = factors
         rise = growth_of_trace * per_trace
-        rise = larger(smaller(rise, alike(0.1, rise)), alike(-0.1, rise))
+        rise = larger(smaller(rise, 0.1), -0.1)
         stiffer = f_s * (1.0 + stiffening * rise - softening * swelling)
-        looser = larger(f_d + (loosening * swelling + crowding * rise), alike(0.0, f_d))
+        looser = larger(f_d + (loosening * swelling + crowding * rise), 0.0)
         square = rise * rise
         return (
             stiffer, looser, per_trace * ((1.0 - rise) * (1.0 + square * (1.0 + square))),
-            stiffening, softening, loosening, crowding, a1, level, g0, g1, g2, g3,
+            stiffening, softening, loosening, crowding, a1, g0, g1, g2, g3,
         )  # fmt: skip
 
     @ti.func
     def a1_and_tangent(self, deviator):
-        """a1 of a normalised deviator T^*, and of 1/a1 = c1 + c2 ||T^*|| (1 + cos 3 theta) the tangent there.
+        """a1 of a normalised deviator T^*, and the four components of G.
 
-        The tangent is level + G : T^*; returned are a1, the level and the four components of G. With r = ||T^*|| and
-        less its isotropic part G = c2 [(1/r + 2 sqrt(6) tr T^*^3 / r^4) T^* - 3 sqrt(6) T^*^2 / r^2].
+        The tangent of 1/a1 = c1 + c2 ||T^*|| (1 + cos 3 theta) is c1 + G : T^*. With r = ||T^*||, less its isotropic
+        part, G = c2 [(1/r + 2 sqrt(6) tr T^*^3 / r^4) T^* - 3 sqrt(6) T^*^2 / r^2].
         """
         s0, s1, s2, s3 = deviator
         square = inner(deviator, deviator) + 1e-24
         size, per_square = ti.sqrt(square), 1.0 / square
         shape = SQRT6 * trace_of_cube(deviator) * per_square
         # ||T^*|| (1 + cos 3 theta), with cos 3 theta between -1 and 1
-        round = smaller(larger(size - shape, alike(0.0, size)), 2.0 * size)
+        round = smaller(larger(size - shape, 0.0), 2.0 * size)
         along, across = self.c2 * (size + 2.0 * shape) * per_square, (3.0 * SQRT6 * self.c2) * per_square
         per_a1, turn = self.c1 + self.c2 * round, s3 * s3
         slope = (
             along * s0 - across * (s0 * s0 + turn), along * s1 - across * (s1 * s1 + turn),
             along * s2 - across * (s2 * s2), s3 * (along - across * (s0 + s1)),
         )  # fmt: skip
-        return 1.0 / per_a1, per_a1 - inner(slope, deviator), slope[0], slope[1], slope[2], slope[3]
+        return 1.0 / per_a1, slope[0], slope[1], slope[2], slope[3]
 
     @ti.func
     def operators(self, stress, factors):
@@ -156,10 +156,10 @@ class GudehusBauer:
 
         The linear operator is L : X = f_s (a1^2 X + T^ (T^ : X)).
         """
-        f_s, f_d, per_trace, _, _, _, _, a1, level, g0, g1, g2, g3 = factors
+        f_s, f_d, per_trace, _, _, _, _, a1, g0, g1, g2, g3 = factors
         relative = scaled(stress, per_trace)
         deviator = shifted(relative, pressure_of(relative))
-        a1 = a1 * (2.0 - a1 * (level + inner((g0, g1, g2, g3), deviator)))  # 1 over the tangent, by Newton's rule
+        a1 = a1 * (2.0 - a1 * (self.c1 + inner((g0, g1, g2, g3), deviator)))  # 1 over the tangent, by Newton's rule
         return f_s * a1 * a1, f_s, relative, scaled(added(relative, deviator, 1.0), f_s * f_d * a1)
 
     @ti.func
@@ -192,7 +192,7 @@ class GudehusBauer:
         limit = ROOMY ** (1.0 / self.alpha)
         found = alike(1.0, above)
         if greatest(limit - above) > 0.0:
-            found = power(smaller(above * (1.0 / limit), alike(1.0, above)), self.alpha, 1.0)
+            found = power(smaller(above * (1.0 / limit), 1.0), self.alpha, 1.0)
         return found
 
     @ti.func
@@ -208,7 +208,7 @@ class GudehusBauer:
     @ti.func
     def moduli(self, stress, void_ratio):
         """The two parts of `stiffness` [Pa]: of L and of N."""
-        f_s, f_d, per_trace, _, _, _, _, a1, _, _, _, _, _ = self.factors(stress, void_ratio)
+        f_s, f_d, per_trace, _, _, _, _, a1, _, _, _, _ = self.factors(stress, void_ratio)
         relative = scaled(stress, per_trace)
         largest = ti.min(largest_principal(relative), 1.0)
         return f_s * (a1 * a1 + largest * largest), f_s * f_d * a1 * (2.0 * largest - 1.0 / 3.0)

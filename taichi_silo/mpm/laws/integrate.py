@@ -2,7 +2,7 @@
 
 After Sloan (1987) a step is done by Euler's rule and by Heun's; their difference is the error of the former, and
 decides whether the latter is kept, or the step divided. At the first try the second rate takes over the factors of
-the first (`law.advanced_factors`), so that a step that is not divided computes what is dear once.
+the first (`law.advanced_factors`), so that a step that is not divided computes the exponential, the powers and a1 once.
 Source: S. W. Sloan, Int. J. Numer. Meth. Eng. 24 (1987) 893-911.
 """
 

@@ -123,9 +123,9 @@ def loosest(law: ti.template(), points: ti.template(), p, void_ratio):
     found = void_ratio
     for n, one in ti.static(enumerate(laws_of(law))):
         if ti.static(are_several(law)):
-            found = ti.select(share(points, p, n) > 0.0, smaller(void_ratio, alike(one.loosest, void_ratio)), found)
+            found = ti.select(share(points, p, n) > 0.0, smaller(void_ratio, one.loosest), found)
         else:
-            found = smaller(void_ratio, alike(one.loosest, void_ratio))
+            found = smaller(void_ratio, one.loosest)
     return found
 
 

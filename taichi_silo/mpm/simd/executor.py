@@ -169,8 +169,8 @@ class Simd(Executor):
             low, high = self.layout.reach[one, 0], self.layout.reach[one, 1]
             for other in range(one + 1, STRIPS):
                 first, last = self.layout.reach[other, 0], self.layout.reach[other, 1]
-                alike = self.layout.half[one] == self.layout.half[other] and low < high and first < last
-                found = found or (alike and first <= high + self.gap)
+                both = self.layout.half[one] == self.layout.half[other] and low < high and first < last
+                found = found or (both and first <= high + self.gap)
         return found
 
     def _cut(self, count: int) -> None:

@@ -5,8 +5,8 @@ run time, so that one source serves a GPU thread, a stress point and a group of 
 which ask for the `greatest` lane.
 
 Of a vector, a power and an exponential are polynomials, because the processor's vector unit has neither, and so they
-are of a number on Vulkan, whose SPIR-V has neither in f64: within 1e-14 of the library's. There a base counts as at
-most 32768, and one below 1e-18 as 0.
+are of a number on Vulkan, whose SPIR-V has neither in f64: within 1e-14 of the library's. There a base above
+`most` counts as that, and one below 1e-18 as 0.
 """
 
 import functools
@@ -23,8 +23,8 @@ from taichi_silo.mpm.simd.vectors import eight, is_eight
 ROOT2 = math.sqrt(2.0)
 UPPER = 2.0**0.25  # a base is brought to 2**-1/4 ... 2**1/4 by powers of two and a root of two
 DOWN, UP = (32, 16, 8, 4, 2, 1), (8, 4, 2, 1)  # exponents of those powers
-SQUARINGS, MORE_SQUARINGS = 4, 6  # of exp(-x / 16) and, of a number, exp(-x / 64)
-LARGEST_DECAY = 0.5  # exp(-x) is taken at most there before it is squared: at 8 and, of a number, at 32
+SQUARINGS, MORE_SQUARINGS = 4, 6  # of exp(x / 16) and, of a number, exp(x / 64), or of exp(-x)
+LARGEST = 0.5  # exponent there, at most: x counts as at most 8 and, of a number, 32
 
 
 Series = tuple[tuple[float, ...], float]  # coefficients, middle
@@ -59,9 +59,9 @@ def power_series(exponent: float) -> Series:
 
 
 @functools.cache
-def decay_series() -> Series:
-    """Of exp(-x) between 0 and 1/2."""
-    return series(lambda x: np.exp(-x), 0.0, 0.5, 11)
+def exponential_series(sign: float) -> Series:
+    """Of exp(sign x) between 0 and 1/2."""
+    return series(lambda x: np.exp(sign * x), 0.0, LARGEST, 11)
 
 
 @ti.func
@@ -80,7 +80,7 @@ def polynomial(c: ti.template(), x):
 @ti.func
 def polynomial_power(base, exponent: ti.template(), most: ti.template()):
     """base**exponent by peeling off powers of two."""
-    rest, factor = smaller(base, alike(most, base)), alike(1.0, base)
+    rest, factor = smaller(base, most), alike(1.0, base)
     for k in ti.static([k for k in UP if most > UPPER * 2.0 ** (k - 1)]):
         above = rest > UPPER * 2.0 ** (k - 1)
         rest = ti.select(above, rest * 2.0**-k, rest)
@@ -102,10 +102,10 @@ def by_polynomials(value: object) -> bool:
 
 
 @ti.func
-def polynomial_decay(x, squarings: ti.template()):
-    """exp(-x) for x >= 0 by squaring exp(-x / 2**squarings)."""
-    c, middle = ti.static(decay_series())
-    result = polynomial(c, smaller(x, alike(ti.static(LARGEST_DECAY * 2.0**squarings), x)) * 0.5**squarings - middle)
+def polynomial_exponential(x, sign: ti.template(), squarings: ti.template()):
+    """exp(sign x) for x >= 0 by squaring exp(sign x / 2**squarings)."""
+    c, middle = ti.static(exponential_series(sign))
+    result = polynomial(c, smaller(x, ti.static(LARGEST * 2.0**squarings)) * 0.5**squarings - middle)
     for _ in ti.static(range(squarings)):
         result = result * result
     return result
@@ -129,27 +129,11 @@ def exp_minus(x):
     """exp(-x) for x >= 0."""
     result = x
     if ti.static(is_eight(x)):
-        result = polynomial_decay(x, SQUARINGS)
+        result = polynomial_exponential(x, -1.0, SQUARINGS)
     elif ti.static(by_polynomials(x)):
-        result = polynomial_decay(x, MORE_SQUARINGS)
+        result = polynomial_exponential(x, -1.0, MORE_SQUARINGS)
     else:
         result = ti.exp(0.0 - x)
-    return result
-
-
-@functools.cache
-def growth_series() -> Series:
-    """Of exp(x) between 0 and 1/2."""
-    return series(np.exp, 0.0, 0.5, 11)
-
-
-@ti.func
-def polynomial_growth(x, squarings: ti.template()):
-    """exp(x) for x >= 0 by squaring exp(x / 2**squarings)."""
-    c, middle = ti.static(growth_series())
-    result = polynomial(c, smaller(x, alike(ti.static(LARGEST_DECAY * 2.0**squarings), x)) * 0.5**squarings - middle)
-    for _ in ti.static(range(squarings)):
-        result = result * result
     return result
 
 
@@ -158,9 +142,9 @@ def exp_plus(x):
     """exp(x) for x >= 0."""
     result = x
     if ti.static(is_eight(x)):
-        result = polynomial_growth(x, SQUARINGS)
+        result = polynomial_exponential(x, 1.0, SQUARINGS)
     elif ti.static(by_polynomials(x)):
-        result = polynomial_growth(x, MORE_SQUARINGS)
+        result = polynomial_exponential(x, 1.0, MORE_SQUARINGS)
     else:
         result = ti.exp(x)
     return result

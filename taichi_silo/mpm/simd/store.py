@@ -52,7 +52,7 @@ class Layout:
     turns its points add to the nodes; neighbours have different ones, and strips of the same half no rows of nodes in
     common, so that each strip may be another thread's. `free` (row, 2) says from which column on how many times eight
     nodes are at no wall (`walls`; None: nowhere), `touched` (row) says whether sums of a row are not zero, `reach`
-    (STRIPS, 2) the first and last row of nodes that a strip touched.
+    (STRIPS, 16: a line of the cache each) the first and last row of nodes that a strip touched. `some` is for `_align`.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class Groups:
         self.surroundings, self.order = layout.surroundings, layout.order
 
     @ti.func
-    def begin(self, t, low, high):
+    def begin(self, low, high):
         """Look at which nodes of the rows there are no walls, and align the stack."""
         self._align()
         for j in range(low, high):
@@ -102,8 +102,8 @@ class Groups:
     def _align(self):
         """Have vectors that registers cannot hold lie within lines of the cache.
 
-        LLVM aligns the stack of a kernel only if it knows before it hands out registers that a vector will be there:
-        one of whose numbers only the run says which is asked for.
+        LLVM aligns the stack of a kernel only if it knows before it hands out registers that a vector will be there,
+        such as one that is indexed by a number known only at run time.
         """
         some = self.points[0] + self.points[1]
         self.layout.some[0] = some[self.layout.first[1] % LANES]

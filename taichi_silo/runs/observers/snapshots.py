@@ -9,7 +9,7 @@ from taichi_silo.runs.observers import Observer
 from taichi_silo.utils import atomic_write
 
 TOLERANCE = 1e-9  # of a displacement, in metres
-LIST_EVERY_S = 1.0  # lists are written at most so often, and whenever a checkpoint is
+LIST_EVERY_S = 1.0  # at most so often lists are written, and with each checkpoint and at the end
 OF_FILLING = 0.1  # as many of the filling as of the flow, times this
 
 
@@ -68,6 +68,8 @@ class Snapshots(Observer):
             passed = False
         if passed:
             self._write(f"{snapshot.BETWEEN}{len(self.rows):05d}")
+        if not self.listed and time.monotonic() - self.listed_at > LIST_EVERY_S:
+            self._list()
 
     def _due(self, record) -> int:
         """How many shares of its stage are over."""
@@ -87,9 +89,11 @@ class Snapshots(Observer):
     def end(self) -> None:
         """Write the last state."""
         named = [row for row in self.rows if not row["file"].startswith(snapshot.BETWEEN)]
-        if self.simulation.clock.steps > 0 and named[-1]["time_s"] != self.simulation.time:
-            self._write("end")
-        self._sync()
+        try:
+            if self.simulation.clock.steps > 0 and named[-1]["time_s"] != self.simulation.time:
+                self._write("end")
+        finally:
+            self._sync()
 
     def _sync(self) -> None:
         if not self.listed:
@@ -113,8 +117,6 @@ class Snapshots(Observer):
             }
         )
         self.listed = False
-        if time.monotonic() - self.listed_at > LIST_EVERY_S:
-            self._list()
 
     def _list(self) -> None:
         """Write both lists of what there is."""

@@ -53,7 +53,10 @@ def test_rates_and_guards_are_those_of_the_kernels_to_round_off(name):
 
 
 def test_factors_taken_over_err_by_the_square_of_what_has_changed():
-    """What the second rate of a step takes over of the first: a tenth of the strain, a hundredth of the error."""
+    """What the second rate of a step takes over of the first: a tenth of the strain, a hundredth of the error.
+
+    So it is away from isotropic stress, where a1 has a kink.
+    """
     law = law_on_arrays(GudehusBauer)(**SANDS["karlsruhe"])
     random = np.random.default_rng(2)
     shares = random.uniform([[0.5], [0.9], [0.5], [-0.2]], [[1.0], [1.0], [1.0], [0.2]], (4, 200))
@@ -62,7 +65,7 @@ def test_factors_taken_over_err_by_the_square_of_what_has_changed():
     strain /= np.sqrt((strain**2).sum(axis=0))
 
     def missed(size):
-        """Of the second rate, over the change of the rate."""
+        """Of the second rate, over itself."""
         D = tuple(size * strain)
         factors = law.factors(tuple(stress), e)
         first = law.rate(tuple(stress), None, factors, D, norm_of(D))
