@@ -31,6 +31,10 @@ from taichi_silo.scene.scene import Averaging, cores
 ROUNDS = 3
 SECONDS = 0.3  # of a measurement
 SLOWER = 1.10  # of the baseline's cost over the yardstick's: from there on a warning
+WHOLE_RUNS = (  # points, a cell, threads, displacement of the bottom [m]
+    (4_000, 1, 1, 0.01), (4_000, 4, 1, 0.01), (4_000, 1, 2, 0.01), (16_000, 1, 1, 0.002), (16_000, 4, 1, 0.002),
+    (16_000, 1, 2, 0.002), (16_000, 4, 2, 0.002),
+)  # fmt: skip
 BASELINE = Path(__file__).with_name("baseline.csv")
 FOLDER = Path("outputs") / "bench"
 COLUMNS = (
@@ -122,14 +126,17 @@ def measure(
     return rows
 
 
-def whole_run(film: bool, yardstick: Yardstick | None) -> dict:
+def whole_run(
+    points: int, points_per_cell: int, threads: int, displacement_m: float, film: bool, yardstick: Yardstick | None
+) -> dict:
     """`mass_flow` with all that belongs to it (observers, output, film): wall time over points and steps."""
-    what = scene(4000, 1, 1).model_copy(update={"flow": Flow(speed_m_per_s=0.005, displacement_m=0.01)})
+    what = scene(points, points_per_cell, threads)
+    what = what.model_copy(update={"flow": Flow(speed_m_per_s=0.005, displacement_m=displacement_m)})
     with tempfile.TemporaryDirectory() as folder:
         summary = run(what, Path(folder) / "run", film=film, progress=False).summary["cost"]
-    theirs = yardstick.rate(1, what.points) if yardstick else None
+    theirs = yardstick.rate(threads, what.points) if yardstick else None
     phase = "whole run with film" if film else "whole run"
-    return row((what.points, 1, 1), phase, summary["wall_seconds"] / summary["steps"], theirs)
+    return row((what.points, points_per_cell, threads), phase, summary["wall_seconds"] / summary["steps"], theirs)
 
 
 def alarms(points: int) -> dict:
@@ -254,9 +261,10 @@ def main() -> None:
                 (of_step,) = measure(points, per_cell, 1, yardstick, phases=False)
             rows.append(of_step | {"phase": "step by Euler's rule"})
             say(rows[-1:])
-    for film in (False, True):
-        rows.append(whole_run(film, yardstick))
-        say(rows[-1:])
+    for size in WHOLE_RUNS:
+        for film in (False, True) if size == WHOLE_RUNS[0] else (False,):
+            rows.append(whole_run(*size, film, yardstick))
+            say(rows[-1:])
     rows += [alarms(points) for points in (1_000, 4_000, 16_000, 64_000)]
     rows += (added := averages(16_000))
     say(added)

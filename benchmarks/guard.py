@@ -36,11 +36,12 @@ def cost(simulation: Simulation, speed_m_per_s: float = 0.002) -> dict[str, floa
     guard.filled()
     simulation.clock.begin_flow()
     observe = timed("guard", guard.observe)
-    simulation.solver.point_sums = timed("point_sums", simulation.solver.point_sums)
+    sums = simulation.solver.sums
+    sums.read = timed("point_sums", sums.read)
     steps, begun = simulation.clock.steps, time.perf_counter()
     for _ in range(ROUNDS * EVERY_PERIODS * simulation.scene.output.records_per_period):
         observe(simulation.advance(interval))
     whole = time.perf_counter() - begun
-    del simulation.solver.point_sums
+    del sums.read
     steps = simulation.clock.steps - steps
     return {"steps": steps, "seconds": whole} | {name: part / whole for name, part in spent.items()}

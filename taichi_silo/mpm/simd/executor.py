@@ -13,6 +13,7 @@ from taichi_silo.mpm import runtime
 from taichi_silo.mpm.executors import Executor, Phase, PhaseLoop
 from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.own_cores import OwnCores
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.simd.store import HALVES, STRIPS, Groups, Layout
 from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd, eight
@@ -61,6 +62,7 @@ class Simd(Executor):
         self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), reach) + 2
         self.gap = max(0, reach - shape.NODES)  # rows of nodes that must stay between their nodes
         self.compiled = False
+        self.own_cores = OwnCores(self.threads)
         self.fastest = (-1, 0.0)  # revision of the particles, and greatest speed [m/s]
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
@@ -70,7 +72,8 @@ class Simd(Executor):
         arrays, before = (self.points, self.sums, self.nodal), self.loop.barrier.reserve(count * self.loop.waits)
         given = *arrays, done, count, steps, dt, *schedule, before
         if self.compiled:
-            self._steps(*given)
+            with self.own_cores.of_launch():
+                self._steps(*given)
         else:
             with compiling_simd():
                 self._steps(*given)

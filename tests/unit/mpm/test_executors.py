@@ -1,11 +1,12 @@
 """Whoever runs the phases, the step is the same: threads, parallel tasks, eight points at once, a GPU."""
 
 import functools
+import os
 
 import numpy as np
 import pytest
 
-from taichi_silo.mpm import graphics_cards, runtime, solver
+from taichi_silo.mpm import graphics_cards, own_cores, runtime, solver
 from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Threads
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.laws import Elastic
@@ -113,6 +114,17 @@ def test_nodes_that_no_wall_holds_move_eight_at_once():
     assert (first[5], eights[5]) == (3, 1)
     assert eights[0] == 0
     assert not stepped("hopper", EIGHT)[1].executor.layout.free.to_numpy()[:, 1].any()
+
+
+def test_as_many_threads_as_cores_have_cores_of_their_own():
+    """Fewer threads than cores are left where the system puts them."""
+    silo = stepped("very rough", EIGHT_ON_TWO)[1]
+    cores = sorted(os.sched_getaffinity(0))
+    for _ in range(5):
+        silo.advance(2000, 1e-6, gravity=(9.81, 9.81))
+    own = [os.sched_getaffinity(int(task.name)) for task in own_cores.TASKS.iterdir()]
+    alone = sorted(min(one) for one in own if len(one) == 1 < len(cores))
+    assert alone == (cores if len(cores) == 2 else [])
 
 
 def column():
