@@ -14,6 +14,7 @@ from pathlib import Path
 TASKS = Path("/proc/self/task")
 LONG_S = 0.003  # launches that are over sooner do not tell who worked
 TRIALS = 20
+WORKS = 0.2  # of its time: others may want the cores, too
 
 
 class OwnCores:
@@ -36,7 +37,7 @@ class OwnCores:
             return
         self.trials -= 1
         after = self._worked()
-        busy = sorted(number for number, spent in after.items() if spent - before.get(number, spent) > 0.5 * took)
+        busy = sorted(number for number, spent in after.items() if spent - before.get(number, spent) > WORKS * took)
         if len(busy) == len(self.cores):
             self.trials = 0
             for number, core in zip(busy, self.cores, strict=True):

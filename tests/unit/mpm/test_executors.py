@@ -120,7 +120,7 @@ def test_as_many_threads_as_cores_have_cores_of_their_own():
     """Fewer threads than cores are left where the system puts them."""
     silo = stepped("very rough", EIGHT_ON_TWO)[1]
     cores = sorted(os.sched_getaffinity(0))
-    for _ in range(5):
+    for _ in range(own_cores.TRIALS):
         silo.advance(2000, 1e-6, gravity=(9.81, 9.81))
     own = [os.sched_getaffinity(int(task.name)) for task in own_cores.TASKS.iterdir()]
     alone = sorted(min(one) for one in own if len(one) == 1 < len(cores))
