@@ -6,6 +6,7 @@ the two where both are installed.
 
 import importlib.util
 import os
+from typing import Any
 
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm.front_end import frames_by_file, speed_up
@@ -42,4 +43,16 @@ with frames_by_file():
 speed_up(NAME)
 VERSION = f"{NAME} {'.'.join(map(str, ti.__version__))}"
 
-__all__ = ["LANGUAGES", "NAME", "VARIABLE", "VERSION", "ti"]
+
+def program() -> Any:
+    """The running program of the language; None before it was started."""
+    known = vars(ti.lang.impl.get_runtime())
+    return known["_prog" if "_prog" in known else "prog"]
+
+
+def of_kernels(function: Any) -> bool:
+    """Whether it is a function of kernels: of Taichi's a function, of Quadrants' an object that can be called."""
+    return callable(function) and hasattr(function, "__wrapped__")
+
+
+__all__ = ["LANGUAGES", "NAME", "VARIABLE", "VERSION", "of_kernels", "program", "ti"]

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from taichi_silo.errors import BadInput
-from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.language import program, ti
 
 MARK = "of_taichi_silo"  # attribute of the arrays that this program makes
 _lock = threading.Lock()  # of the run that Taichi works for
@@ -35,16 +35,16 @@ if hasattr(os, "register_at_fork"):
 
 def _running() -> object | None:
     """The Taichi that runs in this process."""
-    return ti.lang.impl.get_runtime().prog
+    return program()
 
 
 def _fields() -> int:
     """How many trees of fields the running Taichi has, and fields that it has not laid out yet."""
-    runtime = ti.lang.impl.get_runtime()
-    if runtime.prog is None:
+    running = program()
+    if running is None:
         return 0
-    pending = len(getattr(runtime, "global_vars", ()))
-    return pending + runtime.prog.get_snode_tree_size()
+    pending = len(getattr(ti.lang.impl.get_runtime(), "global_vars", ()))
+    return pending + running.get_snode_tree_size()
 
 
 def crew() -> Any:

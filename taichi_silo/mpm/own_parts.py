@@ -11,6 +11,7 @@ import numpy as np
 from taichi_silo.errors import BadInput
 from taichi_silo.mpm.formula_rules import CONSTANT, NUMBER, TUPLE, Formula
 from taichi_silo.mpm.frozen import HIDDEN
+from taichi_silo.mpm.language import of_kernels
 from taichi_silo.mpm.laws.on_arrays import law_on_arrays
 
 LAWS: dict[str, type] = {}  # by the names that `sand.law` may have
@@ -152,7 +153,7 @@ def _frozen(kind: type) -> None:
 def _formulas(kind: type, wanted: Mapping[str, tuple[dict[str, str], str]]) -> None:
     for name, (kinds, result) in wanted.items():
         function = getattr(kind, name, None)
-        if not isinstance(function, FunctionType):
+        if not (of_kernels(function) or isinstance(function, FunctionType)):
             raise BadInput(f"{kind.__name__} has no formula {name}; it must have {', '.join(wanted)}")
         found = Formula(function, f"{kind.__name__}.{name}", kind).kind(kinds)
         if found in (TUPLE, NUMBER, CONSTANT) and (found == TUPLE) != (result == TUPLE):

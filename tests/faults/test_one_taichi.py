@@ -32,7 +32,7 @@ def said(folder, text):
         [sys.executable, "-c", script], cwd=folder, env=given, capture_output=True, text=True, timeout=400
     )
     assert done.returncode == 0, done.stderr
-    return [line for line in done.stdout.splitlines() if not line.startswith("[Taichi]")]
+    return [line for line in done.stdout.splitlines() if not line.startswith(("[Taichi]", "[Quadrants]"))]
 
 
 def test_a_run_in_another_thread_waits_for_the_first(tmp_path):

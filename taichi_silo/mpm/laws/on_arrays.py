@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from taichi_silo.mpm.frozen import HIDDEN
-from taichi_silo.mpm.language import ti
+from taichi_silo.mpm.language import of_kernels, ti
 
 LANGUAGE = SimpleNamespace(
     max=np.maximum, min=np.minimum, sqrt=np.sqrt, select=np.where, abs=np.abs, static=lambda value: value
@@ -44,7 +44,7 @@ def on_arrays(function: Callable) -> Callable:
             names[name] = MATHS
         elif name in FUNCTIONS:
             names[name] = FUNCTIONS[name]
-        elif isinstance(value, types.FunctionType) and hasattr(value, "__wrapped__"):  # of kernels
+        elif of_kernels(value):
             names[name] = on_arrays(value)
     if not names:
         return plain
@@ -80,5 +80,5 @@ def law_on_arrays(law: type) -> type:
             members[name] = functools.cached_property(on_arrays(value.fget))  # type: ignore[arg-type]
             members[name].__set_name__(None, name)
         elif name not in fields and not name.startswith("_"):
-            members[name] = on_arrays(value) if isinstance(value, types.FunctionType) else value
+            members[name] = on_arrays(value) if of_kernels(value) or isinstance(value, types.FunctionType) else value
     return type(f"{law.__name__}OnArrays", (), members)
