@@ -152,7 +152,7 @@ def _frozen(kind: type) -> None:
 
 def _formulas(kind: type, wanted: Mapping[str, tuple[dict[str, str], str]]) -> None:
     for name, (kinds, result) in wanted.items():
-        function = getattr(kind, name, None)
+        function: Any = getattr(kind, name, None)
         if not (of_kernels(function) or isinstance(function, FunctionType)):
             raise BadInput(f"{kind.__name__} has no formula {name}; it must have {', '.join(wanted)}")
         found = Formula(function, f"{kind.__name__}.{name}", kind).kind(kinds)

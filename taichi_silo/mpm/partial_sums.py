@@ -51,7 +51,7 @@ class PartialSums(PointSums):
             for number in range((self.particles.count - 1) // (PARTS * PARTS) + 1):
                 p = number * PARTS * PARTS + part
                 if p < self.particles.active[None]:
-                    values = self.of_point(p)
+                    values = self.of_point(self.particles, p)
                     for n, kind in ti.static(enumerate(KINDS.values())):
                         self.parts[n, part] = joined(kind, self.parts[n, part], values[n])
         for part in range(PARTS):

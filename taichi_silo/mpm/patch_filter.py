@@ -109,14 +109,16 @@ class PatchFilter:
         way = speed_m_per_s * dt / self.grid.cell_size
         return max(1, int(min(MOST_STEPS - self.steps, (TURN - self.way) / (way + 1e-300) + 1e-6)))
 
-    def passed(self, steps: int, speed_m_per_s: float, dt: float) -> None:
-        """So many steps have passed; a turn if it is due."""
+    def passed(self, steps: int, speed_m_per_s: float, dt: float) -> bool:
+        """So many steps have passed; a turn if it is due. Returns whether it was."""
         self.steps += steps
         self.way += steps * speed_m_per_s * dt / self.grid.cell_size
         next_way = speed_m_per_s * dt / self.grid.cell_size
-        if self.steps >= MOST_STEPS or self.way + next_way > TURN * (1.0 + 1e-6):
+        due = self.steps >= MOST_STEPS or self.way + next_way > TURN * (1.0 + 1e-6)
+        if due:
             self.turn()
             self.way, self.steps = 0.0, 0
+        return due
 
     def state(self) -> dict:
         """What outlives a launch, for a checkpoint."""

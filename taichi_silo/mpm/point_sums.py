@@ -2,6 +2,7 @@
 
 import math
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -12,26 +13,31 @@ from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws.several import stiffness as stiffness_of
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.simd.lane_maths import alike, greatest, larger, smaller, total
+from taichi_silo.mpm.simd.vectors import LANES, eight
 from taichi_silo.mpm.tensors import trace
 
 BELOW = 1.5  # cells below the floor to which sand that has passed an opening may fall
 # what is found, and how it is had from the points: see `PointSums.read`
-SUM, LEAST, MOST = range(3)
+SUM, LEAST, MOST, COUNT = range(4)
 KINDS = {
-    "kinetic_energy": SUM, "momentum": SUM, "transit": LEAST, "void_ratio_low": LEAST, "separated": SUM, "strays": SUM,
-    "speed": MOST, "void_ratio_high": MOST, "height": SUM, "stored": SUM,
+    "kinetic_energy": SUM, "momentum": SUM, "transit": LEAST, "void_ratio_low": LEAST, "separated": COUNT,
+    "strays": COUNT, "speed": MOST, "void_ratio_high": MOST, "height": SUM, "stored": SUM,
 }  # fmt: skip
-COUNTS = ("separated", "strays")
 FAR = 1e30  # the least of no points
 
 
 @ti.data_oriented
 class PointSums:
-    """One pass over the points, one after the other."""
+    """One pass over the points, one after the other, or where the vector unit holds them, over groups of eight.
+
+    `lanes` is the executor that holds them there (`simd.executor`), which then takes them.
+    """
 
     def __init__(self, particles: Particles, grid: Grid, law: Law):
         self.particles, self.grid, self.law = particles, grid, law
         self.found = ti.field(real, shape=len(KINDS))
+        self.lanes: Any = None
 
     def read(self) -> SimpleNamespace:
         """What the points say now.
@@ -44,14 +50,17 @@ class PointSums:
         volume times stress squared over twice the stiffness, the energy that sand gives back at most about once [J/m].
 
         """
-        self.take()
+        if self.lanes:
+            self.lanes.take_sums()
+        else:
+            self.take()
         return self.named(values(self.found))
 
     @staticmethod
     def named(numbers: np.ndarray) -> SimpleNamespace:
         """Numbers in the order of KINDS by their names."""
         named = dict(zip(KINDS, numbers, strict=True))
-        return SimpleNamespace(**named | {name: int(named[name]) for name in COUNTS})
+        return SimpleNamespace(**named | {name: int(named[name]) for name, kind in KINDS.items() if kind == COUNT})
 
     def speed(self) -> float:
         """Greatest speed [m/s] alone."""
@@ -66,31 +75,36 @@ class PointSums:
         return greatest
 
     @ti.func
-    def of_point(self, p):
-        """What point p adds to the sums and extremes, in the order of KINDS."""
-        v, x, s = self.particles.velocity[p], self.particles.position[p], self.particles.stress[p]
-        m, volume = self.particles.mass[p], self.particles.volume[p]
+    def of_point(self, points: ti.template(), p):
+        """What point p adds to the sums and extremes, in the order of KINDS: numbers, or eights of a group p.
+
+        `points` is where fields are read, the particles or a store.
+        """
+        vx, vy = points.read("velocity", p)
+        x, y = points.read("position", p)
+        s0, s1, s2, s3 = points.read("stress", p)
+        m, volume = points.read("mass", p), points.read("volume", p)
         e = volume * self.law.grain_density / m - 1.0
-        speed = v.norm()
-        stiffness = stiffness_of(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), e)
+        speed = ti.sqrt(vx * vx + vy * vy)
+        stiffness = stiffness_of(self.law, points, p, (s0, s1, s2, s3), e)
         c = ti.sqrt(stiffness * (1.0 + e) / self.law.grain_density)
-        transit = ti.min(self.grid.cell_size, self.grid.cell_height(0)) / (c + speed)
-        packed = e
-        if x[1] < 0.0:  # the gate packs what has passed the floor as it likes
-            packed = FAR
-        squared = s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2.0 * s[3] * s[3]
-        separated, stray = 0.0, 0.0
-        if -trace((s[0], s[1], s[2], s[3])) <= 3.0 * self.law.rest_stress * (1.0 + 1e-9):
-            separated = 1.0
         h, up = self.grid.cell_size, self.grid.cell_height(0)
+        transit = ti.min(h, up) / (c + speed)
+        # the gate packs what has passed the floor as it likes
+        packed = ti.select(y < 0.0, alike(FAR, e), e)
+        squared = s0 * s0 + s1 * s1 + s2 * s2 + 2.0 * s3 * s3
+        none, one = alike(0.0, e), alike(1.0, e)
+        tr = trace((s0, s1, s2, s3))
+        separated = ti.select(tr >= -3.0 * self.law.rest_stress * (1.0 + 1e-9), one, none)
         beside = BELOW if ti.static(self.grid.open_sides) else 1.0
-        across = self.grid.periodic or (x[0] > -beside * h and x[0] < (self.grid.columns - 5 + beside) * h)
-        inside = across and x[1] > -BELOW * up and x[1] < (self.grid.rows - 4) * up
-        finite = trace((s[0], s[1], s[2], s[3])) + speed < 1e300
-        if not (inside and finite):
-            stray = 1.0
+        stray = ti.select(y > -BELOW * up, none, one)
+        stray = ti.select(y < (self.grid.rows - 4) * up, stray, one)
+        stray = ti.select(tr + speed < 1e300, stray, one)  # not so where one is no number
+        if ti.static(not self.grid.periodic):
+            stray = ti.select(x > -beside * h, stray, one)
+            stray = ti.select(x < (self.grid.columns - 5 + beside) * h, stray, one)
         return (
-            0.5 * m * speed * speed, m * v[1], transit, packed, separated, stray, speed, e, m * x[1],
+            0.5 * m * speed * speed, m * vy, transit, packed, separated, stray, speed, e, m * y,
             0.5 * volume * squared / stiffness,
         )  # fmt: skip
 
@@ -102,9 +116,33 @@ class PointSums:
                 self.found[n] = nothing(kind)
         ti.loop_config(serialize=True)  # sums in a fixed order, so that runs repeat themselves
         for p in range(self.particles.active[None]):
-            values = self.of_point(p)
+            values = self.of_point(self.particles, p)
             for n, kind in ti.static(enumerate(KINDS.values())):
                 self.found[n] = joined(kind, self.found[n], values[n])
+
+    @ti.func
+    def take_groups(self, store: ti.template()):
+        """Find them in the groups of a store, whose sums of nodes are lent for it."""
+        active = self.particles.active[None]
+        zero = ti.min(active, 0)  # known at run time only: of entry n alone Taichi takes the first value in all rounds
+        for n, kind in ti.static(enumerate(KINDS.values())):
+            store.sums[n + zero] = eight(nothing(kind))
+        for g in range((active + LANES - 1) // LANES):
+            values = self.of_point(store, g)
+            number = eight(*ti.static([float(lane) for lane in range(LANES)]))
+            there = ti.select(number < eight(ti.cast(active - g * LANES, real)), eight(1.0), eight(0.0))
+            for n, kind in ti.static(enumerate(KINDS.values())):
+                one = values[n] * there if ti.static(kind == COUNT) else values[n]
+                store.sums[n + zero] = joined(kind, store.sums[n + zero], one)
+        for n, kind in ti.static(enumerate(KINDS.values())):
+            lanes = store.sums[n + zero]
+            if ti.static(kind == LEAST):
+                self.found[n] = 0.0 - greatest(0.0 - lanes)
+            elif ti.static(kind == MOST):
+                self.found[n] = greatest(lanes)
+            else:
+                self.found[n] = total(lanes)
+            store.sums[n + zero] = eight(0.0)
 
 
 @ti.func
@@ -118,7 +156,7 @@ def joined(kind: ti.template(), one, other):
     """The sum, the least or the most of two."""
     result = one + other
     if ti.static(kind == LEAST):
-        result = ti.min(one, other)
+        result = smaller(other, one)
     elif ti.static(kind == MOST):
-        result = ti.max(one, other)
+        result = larger(other, one)
     return result

@@ -206,8 +206,8 @@ class Solver:
             if filters:
                 chunk = min(chunk, self.filter.steps_within(fastest, dt))
             self.executor.run(done, chunk, steps, dt, *schedule)
-            if filters:
-                self.filter.passed(chunk, fastest, dt)
+            if filters and self.filter.passed(chunk, fastest, dt):
+                self.executor.borrowed()
             done += chunk
 
     def _fastest(self, duration_s: float, gravity: Sequence[float], plate_velocity: Sequence[float]) -> float:

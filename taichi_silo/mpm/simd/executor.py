@@ -4,6 +4,7 @@ The points are cut into strips, whose number depends on the points, not on the t
 with it every bit of the result, is the same for any number of threads.
 """
 
+import contextlib
 import math
 from typing import Any
 
@@ -61,14 +62,18 @@ class Simd(Executor):
         reach = math.ceil(averaging.reach_m / min(grid.cell_size, grid.first_cell_height))
         self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), reach) + 2
         self.gap = max(0, reach - shape.NODES)  # rows of nodes that must stay between their nodes
-        self.compiled = False
+        self.compiled = self.sums_compiled = False
         self.own_cores = OwnCores(self.threads)
         self.fastest = (-1, 0.0)  # revision of the particles, and greatest speed [m/s]
+        self.holds = -1  # revision of the particles, whose state the store has
+        self.sums_of_points = solver.sums
+        solver.sums.lanes = self
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
         """Sort, take the state over from the fields, do all steps in one launch, and hand the state back."""
         self._sort(count, dt, schedule)
-        self.load()
+        if done == 0 or self.holds != self.particles.revision:
+            self.load()
         arrays, before = (self.points, self.sums, self.nodal), self.loop.barrier.reserve(count * self.loop.waits)
         given = *arrays, done, count, steps, dt, *schedule, before
         if self.compiled:
@@ -80,8 +85,23 @@ class Simd(Executor):
             self.compiled = True
         squared = self._store(self.points)
         self.fastest = self.particles.revision, math.sqrt(abs(squared))
+        self.holds = self.particles.revision
         if squared < 0.0:
             self.sorted = (-1, 0.0)
+
+    def borrowed(self) -> None:
+        """Take note that somebody has used the arrays, or changed the fields."""
+        self.holds = -1
+
+    def take_sums(self) -> None:
+        """Have the sums over the points taken (see `PointSums`)."""
+        if self.holds != self.particles.revision:
+            self._sort(0, 0.0, (0.0,) * 6)
+            self.load()
+        arrays = self.points, self.sums, self.nodal
+        with contextlib.nullcontext() if self.sums_compiled else compiling_simd():
+            self._sums(*arrays)
+        self.sums_compiled = True
 
     def check(self) -> None:
         """See `Barrier`."""
@@ -106,6 +126,7 @@ class Simd(Executor):
 
         """
         self.sorted = self.fastest = (-1, 0.0)
+        self.holds = -1
         if state:
             if not ((state["order"] >= 0) & (state["order"] <= self.particles.count)).all():
                 raise ValueError("the order names points that are not there")
@@ -117,6 +138,7 @@ class Simd(Executor):
     def load(self) -> None:
         """Take the state over from the fields."""
         self._load(self.points, self.nodal)
+        self.holds = self.particles.revision
 
     def _sort(self, count: int, dt: float, schedule: tuple[float, ...]) -> None:
         """Put the points in the order of their cells, unless they hardly moved since that was done."""
@@ -234,6 +256,13 @@ class Simd(Executor):
             if self._crowded():
                 greatest = -1e-300 - greatest
         return greatest
+
+    @ti.kernel
+    def _sums(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight):
+        ti.loop_config(serialize=True)  # in a fixed order, so that runs repeat themselves
+        for _ in range(1):
+            for store in ti.static([Groups(self.layout, points, sums, nodal)]):
+                self.sums_of_points.take_groups(store)
 
     @ti.kernel
     def _steps(
