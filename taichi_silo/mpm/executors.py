@@ -164,8 +164,8 @@ class Executor:
         """Greatest speed of a point after the last launch [m/s], if it is known; None: points may have changed."""
         return None
 
-    def borrowed(self) -> None:
-        """Take note that somebody has used its arrays, or changed the points."""
+    def hand_back(self) -> None:
+        """Have the fields of the points hold the state; steps may leave it elsewhere."""
 
     def state(self) -> dict | None:
         """What outlives a launch beside the fields of points and nodes, for a checkpoint; None if nothing does."""

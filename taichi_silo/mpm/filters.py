@@ -14,7 +14,7 @@ A filtered stress is pulled back to what the law admits.
 from typing import Any
 
 from taichi_silo.mpm.contracts import Law
-from taichi_silo.mpm.executors import COLLECT, NODES, POINTS, Barrier, Phase
+from taichi_silo.mpm.executors import COLLECT, NODES, POINTS, Phase
 from taichi_silo.mpm.grid import MARGIN, Grid
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.laws.several import admissible
@@ -30,7 +30,7 @@ class Unfiltered:
 
     ACTIVE = BETWEEN_LAUNCHES = False
 
-    def borrow(self, layout: Any, barrier: Barrier, *arrays: ti.Ndarray) -> None:
+    def work_on(self, executor: Any) -> None:
         """Nothing (see `PatchFilter`)."""
 
 

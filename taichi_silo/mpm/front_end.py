@@ -17,11 +17,14 @@ from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 from typing import Any
 
+from taichi_silo.mpm.launches import Launch
+
 MODULES = {  # that find whether a function is one of a class, read sources, wrap lines
     "taichi": ("kernel_impl", "kernel_impl", "kernel_impl"),
     "quadrants": ("kernel_impl", "_wrap_inspect", "_func_base"),
 }
 HEADS = re.compile(r"@(\w+\.)?data_oriented|class ")  # of a class's text
+LAUNCHES = "_launches"  # attribute of an object: its number, and its kernels by name
 remember = functools.lru_cache(1 << 16)
 
 
@@ -88,9 +91,16 @@ class BoundKernel:
     def __get__(self, owner: Any, kind: type | None = None) -> Any:
         if owner is None:
             return self.kernel
-        bound = self.bind(owner, self.kernel)
-        bound.__name__ = self.kernel.__name__
-        return bound
+        whose, launches = vars(owner).setdefault(LAUNCHES, (id(owner), {}))
+        if whose != id(owner):  # the object is a copy
+            launches = {}
+            vars(owner)[LAUNCHES] = id(owner), launches
+        name = self.kernel.__name__
+        if name not in launches:
+            bound = self.bind(owner, self.kernel)
+            bound.__name__ = name
+            launches[name] = Launch(bound, sys.modules["taichi"])
+        return launches[name]
 
 
 def data_oriented(bind: Callable, usual: Callable, kind: type) -> type:

@@ -34,7 +34,7 @@ import numpy as np
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.contracts import Law
-from taichi_silo.mpm.executors import Barrier, Phase
+from taichi_silo.mpm.executors import Phase
 from taichi_silo.mpm.felt_part import FeltPart
 from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.grid import Grid
@@ -43,14 +43,16 @@ from taichi_silo.mpm.laws.several import admissible, room
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.patch_passes import NOWHERE, PatchPasses
 from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.simd.group_passes import GroupPasses
 from taichi_silo.mpm.simd.lane_maths import exp_minus
-from taichi_silo.mpm.simd.vectors import arrays_of_eight, eight
+from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, eight
 
 STRAIN = 3e-4  # over which a pattern falls to 1 / e
 FORGETS = 0.02  # l: path of the strain, over which sand forgets its stress
 TURN = 3e-3  # of a cell: way of the fastest point between two turns of the filter
 MOST_STEPS = 2000  # between them
 FINITE = 1e30  # a larger stress [Pa] is none
+MOST = 32.0  # strains over which something fades that are counted
 
 
 @ti.data_oriented
@@ -77,16 +79,18 @@ class PatchFilter:
         self.ACTIVE = self.BETWEEN_LAUNCHES = getattr(law, "FORGETS", True)
         self.revision, self.way, self.steps = -1, 0.0, 0  # of the points; way [cells] and steps since the last turn
         self.passes = PatchPasses(particles, grid, mirrored)
+        self.executor: Any = None  # of the vector unit,
+        self.groups: Any = None  # and the passes on its points
 
-    def borrow(self, layout: Any, barrier: Barrier, *arrays: ti.Ndarray) -> None:
-        """Work on the vector unit's arrays (points, sums, nodal), which keep nothing between launches; sums are 0.
-
-        `layout` has the points' order and strips in the last launch; `barrier` is where threads wait.
-        """
-        self.passes.points, self.passes.sums, self.passes.means = arrays
-        self.passes.layout, self.passes.barrier = layout, barrier
+    def work_on(self, executor: Any) -> None:
+        """Work where the vector unit holds the points; if nodes are asked what they feel, in its arrays only."""
+        self.executor = executor
         if self.felt:
-            self.felt.layout = layout
+            self.felt.layout = self.passes.layout = executor.layout
+            self.passes.points, self.passes.sums, self.passes.means = executor.arrays
+            self.passes.barrier = executor.loop.barrier
+        else:
+            self.groups = GroupPasses(self, executor, self.passes.mirrored)
 
     def phases(self) -> list[Phase]:
         """None: it acts between launches."""
@@ -109,16 +113,14 @@ class PatchFilter:
         way = speed_m_per_s * dt / self.grid.cell_size
         return max(1, int(min(MOST_STEPS - self.steps, (TURN - self.way) / (way + 1e-300) + 1e-6)))
 
-    def passed(self, steps: int, speed_m_per_s: float, dt: float) -> bool:
-        """So many steps have passed; a turn if it is due. Returns whether it was."""
+    def passed(self, steps: int, speed_m_per_s: float, dt: float) -> None:
+        """So many steps have passed; a turn if it is due."""
         self.steps += steps
         self.way += steps * speed_m_per_s * dt / self.grid.cell_size
         next_way = speed_m_per_s * dt / self.grid.cell_size
-        due = self.steps >= MOST_STEPS or self.way + next_way > TURN * (1.0 + 1e-6)
-        if due:
+        if self.steps >= MOST_STEPS or self.way + next_way > TURN * (1.0 + 1e-6):
             self.turn()
             self.way, self.steps = 0.0, 0
-        return due
 
     def state(self) -> dict:
         """What outlives a launch, for a checkpoint."""
@@ -131,6 +133,12 @@ class PatchFilter:
 
     def turn(self) -> None:
         """Let fade what is to fade."""
+        if self.groups:
+            self.executor.change(self.groups.turn)
+            return
+        if self.executor:
+            self.executor.hand_back()
+            self.executor.lend()
         self.passes.hold()
         self._read(self.passes.points)
         self.passes.run()
@@ -167,15 +175,12 @@ class PatchFilter:
     @ti.func
     def _weigh(self, points: ti.template(), p):
         """Of what the passes left of point p the share that is to be taken out."""
-        path = self.particles.path[p]
-        forgets = 1.0 - exp_minus((path / FORGETS) ** 2)
-        share = 1.0 - exp_minus(forgets * (path - self.path[p]) / STRAIN)
-        self.path[p] = path
+        s = self.particles.read("stress", p)
         if points[p][5] > NOWHERE:
-            s = self.particles.stress[p]
-            share *= room(self.law, self.particles, p, (s[0], s[1], s[2], s[3]), self._void_ratio(p))
+            share = self._share(self.particles, p, s, self._void_ratio(self.particles, p), self.path[p])
             for c in ti.static(range(4)):
                 points[p][c] *= share
+        self.path[p] = self.particles.path[p]
 
     @ti.func
     def _take_out(self, points: ti.template(), p):
@@ -183,8 +188,37 @@ class PatchFilter:
         if points[p][5] > NOWHERE:
             s, out = self.particles.stress[p], points[p]
             rest = s[0] - out[0], s[1] - out[1], s[2] - out[2], s[3] - out[3]
-            self.particles.write("stress", p, admissible(self.law, self.particles, p, rest, self._void_ratio(p)))
+            e = self._void_ratio(self.particles, p)
+            self.particles.write("stress", p, admissible(self.law, self.particles, p, rest, e))
 
     @ti.func
-    def _void_ratio(self, p):
-        return self.particles.volume[p] * self.law.grain_density / self.particles.mass[p] - 1.0
+    def finish_group(self, store: ti.template(), g, left, sound):
+        """Both for a group of eight of a store, where its points are sound."""
+        before = eight(0.0)
+        for lane in ti.static(range(LANES)):
+            p = ti.min(store.order[g * LANES + lane], self.particles.count - 1)  # beyond the last there is none
+            before[lane] = self.path[p]
+        s0, s1, s2, s3 = store.read("stress", g)
+        e = self._void_ratio(store, g)
+        share = self._share(store, g, (s0, s1, s2, s3), e, before)
+        rest = s0 - share * left[0], s1 - share * left[1], s2 - share * left[2], s3 - share * left[3]
+        n0, n1, n2, n3 = admissible(self.law, store, g, rest, e)
+        store.write("stress", g, (
+            ti.select(sound, n0, s0), ti.select(sound, n1, s1), ti.select(sound, n2, s2), ti.select(sound, n3, s3),
+        ))  # fmt: skip
+        path = store.read("path", g)
+        for lane in ti.static(range(LANES)):
+            if store.order[g * LANES + lane] < self.particles.active[None]:
+                self.path[store.order[g * LANES + lane]] = path[lane]
+
+    @ti.func
+    def _share(self, points: ti.template(), p, stress, e, path_before):
+        """Of what the passes have left of point p, or of a group of a store, the share that is taken out."""
+        path = points.read("path", p)
+        forgets = 1.0 - exp_minus(path * path * (1.0 / FORGETS**2), MOST)
+        share = 1.0 - exp_minus(forgets * (path - path_before) * (1.0 / STRAIN), MOST)
+        return share * room(self.law, points, p, stress, e)
+
+    @ti.func
+    def _void_ratio(self, points: ti.template(), p):
+        return points.read("volume", p) * self.law.grain_density / points.read("mass", p) - 1.0

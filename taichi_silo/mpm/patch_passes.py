@@ -100,7 +100,7 @@ class PatchPasses:
                     if number < PASSES:
                         for j in range(t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads):
                             if ti.static(self.mirrored):
-                                self._fold(sums, j)
+                                fold(self.grid, sums, j)
                             for k in range(j * self.grid.columns, (j + 1) * self.grid.columns):
                                 self._take_means(kind, sums, means, k)
 
@@ -141,7 +141,7 @@ class PatchPasses:
                         self._take_means(number, sums, means, k)
             if ti.static(number < PASSES and self.mirrored):
                 for j in range(self.grid.rows):
-                    self._fold(sums, j)
+                    fold(self.grid, sums, j)
                 for k in range(self.grid.nodes):
                     self._take_means(number, sums, means, k)
 
@@ -253,13 +253,14 @@ class PatchPasses:
             centre = eight(0.0, 0.0, 0.0, 0.0, per_weight, total[5] * per_weight, total[6] * per_weight, 0.0)
         means[k] = eight(centre[4]) * eight(*ti.static(STRESS)) * total + centre
 
-    @ti.func
-    def _fold(self, sums: ti.template(), j):
-        """What the points' mirror images beyond the axis give as well, in row j."""
-        axis = self.grid.node(self.grid.columns - 1 - MARGIN, j)
-        for n in ti.static(range(MARGIN + 1)):
-            total = sums[axis - n] + eight(*ti.static(MIRROR)) * sums[axis + n]
-            sums[axis - n], sums[axis + n] = total, eight(*ti.static(MIRROR)) * total
+
+@ti.func
+def fold(grid: ti.template(), sums: ti.template(), j):
+    """What the points' mirror images beyond the axis give as well, in row j."""
+    axis = grid.node(grid.columns - 1 - MARGIN, j)
+    for n in ti.static(range(MARGIN + 1)):
+        total = sums[axis - n] + eight(*ti.static(MIRROR)) * sums[axis + n]
+        sums[axis - n], sums[axis + n] = total, eight(*ti.static(MIRROR)) * total
 
 
 @ti.data_oriented

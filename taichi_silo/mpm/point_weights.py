@@ -27,7 +27,13 @@ def weights(points: ti.template(), grid: ti.template(), shape: ti.template(), p,
     per_dx, per_dy = 1.0 / grid.cell_size, 1.0 / cell_height
     x, y = points.read("position", p)
     domain = domain_of(points, shape, p, per_dx, per_dy)
-    i, sx, gx, j, sy, gy = shape.patch(patch, x * per_dx, y * per_dy, domain)
+    return weights_at(grid, shape, patch, x * per_dx, y * per_dy, domain)
+
+
+@ti.func
+def weights_at(grid: ti.template(), shape: ti.template(), patch: ti.template(), x, y, domain):
+    """The same around a place in cells."""
+    i, sx, gx, j, sy, gy = shape.patch(patch, x, y, domain)
     i, j = i + MARGIN, j + MARGIN
     # a point that has left the grid (the guard will stop the run) must not write outside it
     if ti.static(not grid.periodic):

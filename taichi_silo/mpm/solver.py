@@ -201,14 +201,16 @@ class Solver:
             chunk = steps - done
             fastest = self._fastest((steps - done) * dt, gravity, plate_velocity) if looks else 0.0
             if self.averaging.ACTIVE:
+                self.executor.hand_back()
                 self.averaging.refresh()
                 chunk = min(chunk, self.averaging.steps_within(fastest, dt))
             if filters:
                 chunk = min(chunk, self.filter.steps_within(fastest, dt))
             self.executor.run(done, chunk, steps, dt, *schedule)
-            if filters and self.filter.passed(chunk, fastest, dt):
-                self.executor.borrowed()
+            if filters:
+                self.filter.passed(chunk, fastest, dt)
             done += chunk
+        self.executor.hand_back()
 
     def _fastest(self, duration_s: float, gravity: Sequence[float], plate_velocity: Sequence[float]) -> float:
         """How fast a point may become in a time, relative to the grid [m/s]: carried by a plate, or in free fall."""

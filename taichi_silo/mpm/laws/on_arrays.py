@@ -23,7 +23,7 @@ LANGUAGE = SimpleNamespace(
 MATHS = SimpleNamespace(sin=np.sin, cos=np.cos, sqrt=np.sqrt, exp=np.exp, radians=np.radians, pi=math.pi)
 FUNCTIONS: dict[str, Callable] = {  # of `lane_maths`, which ask what a number is while a kernel is compiled
     "power": lambda base, exponent, most=None: np.power(base, exponent),
-    "exp_minus": lambda x: np.exp(-x),
+    "exp_minus": lambda x, most=None: np.exp(-x),
     "exp_plus": np.exp,
     "alike": lambda number, x: number + np.zeros_like(x),
     "larger": np.fmax,

@@ -6,6 +6,7 @@ with it every bit of the result, is the same for any number of threads.
 
 import contextlib
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.own_cores import OwnCores
 from taichi_silo.mpm.runtime import real
+from taichi_silo.mpm.simd.lane_maths import greatest, larger
 from taichi_silo.mpm.simd.store import HALVES, STRIPS, Groups, Layout
 from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd, eight
 from taichi_silo.mpm.walls.outlets import OPENED
@@ -55,53 +57,70 @@ class Simd(Executor):
         self.layout = Layout(particles, grid, shape, solver.surroundings, averaging.KEPT, walls)
         self.points = runtime.array(eight, self.layout.groups * self.layout.record)
         self.sums, self.nodal = (runtime.array(eight, grid.nodes) for _ in range(2))
-        solver.filter.borrow(self.layout, self.loop.barrier, self.points, self.sums, self.nodal)
+        self.arrays = self.points, self.sums, self.nodal
         self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
         self.strips = 2  # that the points are cut into
         # rows of cells between points of strips with the same sums: no common node, and a row that either may move
         reach = math.ceil(averaging.reach_m / min(grid.cell_size, grid.first_cell_height))
         self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), reach) + 2
         self.gap = max(0, reach - shape.NODES)  # rows of nodes that must stay between their nodes
-        self.compiled = self.sums_compiled = False
+        self.compiled: set[str] = set()
         self.own_cores = OwnCores(self.threads)
         self.fastest = (-1, 0.0)  # revision of the particles, and greatest speed [m/s]
-        self.holds = -1  # revision of the particles, whose state the store has
+        self.holds, self.stale = -1, False  # revision of the particles whose state the store has, the fields not
         self.sums_of_points = solver.sums
         solver.sums.lanes = self
+        solver.filter.work_on(self)
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
-        """Sort, take the state over from the fields, do all steps in one launch, and hand the state back."""
+        """Sort, take the state over from the fields if the store has it not, and do all steps in one launch."""
         self._sort(count, dt, schedule)
         if done == 0 or self.holds != self.particles.revision:
             self.load()
-        arrays, before = (self.points, self.sums, self.nodal), self.loop.barrier.reserve(count * self.loop.waits)
-        given = *arrays, done, count, steps, dt, *schedule, before
-        if self.compiled:
-            with self.own_cores.of_launch():
-                self._steps(*given)
-        else:
-            with compiling_simd():
-                self._steps(*given)
-            self.compiled = True
-        squared = self._store(self.points)
-        self.fastest = self.particles.revision, math.sqrt(abs(squared))
-        self.holds = self.particles.revision
+        given = *self.arrays, done, count, steps, dt, *schedule, self.loop.barrier.reserve(count * self.loop.waits)
+        with self.own_cores.of_launch(), self._compiling("steps"):
+            self._steps(*given)
+        with self._compiling("look"):
+            squared = self._look(*self.arrays)
+        self.fastest, self.stale = (self.particles.revision, math.sqrt(abs(squared))), True
         if squared < 0.0:
             self.sorted = (-1, 0.0)
 
-    def borrowed(self) -> None:
-        """Take note that somebody has used the arrays, or changed the fields."""
+    def hand_back(self) -> None:
+        """Bring the state to the fields, unless they have it."""
+        if self.stale:
+            self._store(self.points)
+            self.stale = False
+
+    def lend(self) -> None:
+        """Let somebody use the arrays and change the fields: the state is taken over from them once more."""
         self.holds = -1
+
+    def change(self, function: Callable[..., None]) -> None:
+        """Let a function of the arrays (points, sums, nodal) change the points; it leaves sums and nodal 0."""
+        self._hold()
+        with self._compiling(function.__name__):
+            function(*self.arrays)
+        self.stale = True
 
     def take_sums(self) -> None:
         """Have the sums over the points taken (see `PointSums`)."""
+        self._hold()
+        with self._compiling("sums"):
+            self._sums(*self.arrays)
+
+    def _hold(self) -> None:
+        """Have the state in the store."""
         if self.holds != self.particles.revision:
             self._sort(0, 0.0, (0.0,) * 6)
             self.load()
-        arrays = self.points, self.sums, self.nodal
-        with contextlib.nullcontext() if self.sums_compiled else compiling_simd():
-            self._sums(*arrays)
-        self.sums_compiled = True
+
+    def _compiling(self, name: str) -> contextlib.AbstractContextManager[None]:
+        """Within, a kernel may be compiled that runs for the first time."""
+        if name in self.compiled:
+            return contextlib.nullcontext()
+        self.compiled.add(name)
+        return compiling_simd()
 
     def check(self) -> None:
         """See `Barrier`."""
@@ -126,7 +145,7 @@ class Simd(Executor):
 
         """
         self.sorted = self.fastest = (-1, 0.0)
-        self.holds = -1
+        self.holds, self.stale = -1, False
         if state:
             if not ((state["order"] >= 0) & (state["order"] <= self.particles.count)).all():
                 raise ValueError("the order names points that are not there")
@@ -149,6 +168,8 @@ class Simd(Executor):
         if revision == self.particles.revision and moved < SORTED_FOR:
             self.sorted = revision, moved
             return
+        self.hand_back()
+        self.holds = -1
         column, row = self._cells()
         order = np.lexsort((column, row)).astype(np.int32)
         del column
@@ -231,9 +252,7 @@ class Simd(Executor):
                 nodal[k][lane] = 0.0
 
     @ti.kernel
-    def _store(self, points: arrays_of_eight) -> real:
-        """Hand the state back; returns the square of the greatest speed [m2/s2], less than 0 if strips are crowded."""
-        greatest = ti.cast(0.0, real)
+    def _store(self, points: arrays_of_eight):
         ti.loop_config(serialize=self.alone)
         for g in range((self.particles.active[None] + LANES - 1) // LANES):
             for lane in range(ti.min(LANES, self.particles.active[None] - g * LANES)):
@@ -246,16 +265,22 @@ class Simd(Executor):
                     else:
                         for c in ti.static(range(width)):
                             ti.static(self.particles.fields[name])[p][c] = points[k + c][lane]
-                squared = self.particles.velocity[p].norm_sqr()
-                if ti.static(self.alone):
-                    greatest = ti.max(greatest, squared)
-                else:
-                    ti.atomic_max(greatest, squared)
+
+    @ti.kernel
+    def _look(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight) -> real:
+        """Square of the greatest speed of a point [m2/s2], less than 0 if strips are crowded."""
+        found = ti.cast(0.0, real)
         ti.loop_config(serialize=True)
         for _ in range(1):
+            for store in ti.static([Groups(self.layout, points, sums, nodal)]):
+                most = eight(0.0)
+                for g in range((self.particles.active[None] + LANES - 1) // LANES):
+                    x, y = store.read("velocity", g)
+                    most = larger(x * x + y * y, most)
+                found = greatest(most)
             if self._crowded():
-                greatest = -1e-300 - greatest
-        return greatest
+                found = -1e-300 - found
+        return found
 
     @ti.kernel
     def _sums(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight):

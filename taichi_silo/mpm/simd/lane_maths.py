@@ -125,11 +125,12 @@ def power(base, exponent: ti.template(), most: ti.template() = 32768.0):
 
 
 @ti.func
-def exp_minus(x):
-    """exp(-x) for x >= 0."""
+def exp_minus(x, most: ti.template() = LARGEST * 2.0**SQUARINGS):
+    """exp(-x) for x >= 0; of a vector, x counts as at most 8, or 32 if `most` asks for that."""
     result = x
     if ti.static(is_eight(x)):
-        result = polynomial_exponential(x, -1.0, SQUARINGS)
+        squarings = ti.static(SQUARINGS if most <= LARGEST * 2.0**SQUARINGS else MORE_SQUARINGS)
+        result = polynomial_exponential(x, -1.0, squarings)
     elif ti.static(by_polynomials(x)):
         result = polynomial_exponential(x, -1.0, MORE_SQUARINGS)
     else:

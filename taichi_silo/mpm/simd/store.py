@@ -36,6 +36,34 @@ def along_y(s, g):
     return eight(s, s, s, s, s, s, g, g)
 
 
+@ti.data_oriented
+class OfStep:
+    """What groups of points give to their nodes in a step: the formula is that of `p2g`."""
+
+    def __init__(self, grid: Grid, shape: Shape, surroundings: Surroundings):
+        self.grid, self.shape, self.surroundings = grid, shape, surroundings
+
+    @ti.func
+    def given(self, store: ti.template(), g, t, number):
+        """Eight slots of group g of a store."""
+        return point_contributions(store, self.grid, self.surroundings, g, t)
+
+    @ti.func
+    def weights(self, store: ti.template(), g, t, patch: ti.template()):
+        """As `point_weights.weights`."""
+        return weights(store, self.grid, self.shape, g, t, patch)
+
+    @ti.func
+    def along_x(self, s, g):
+        """Weights of the slots along x, from weight and slope of a node."""
+        return along_x(s, g)
+
+    @ti.func
+    def along_y(self, s, g):
+        """The same along y."""
+        return along_y(s, g)
+
+
 class Layout:
     """Where everything of a group of eight points stands.
 
@@ -79,7 +107,7 @@ class Groups:
     def __init__(self, layout: Layout, points: Any, sums: Any, nodal: Any):
         self.layout, self.points, self.sums, self.nodal = layout, points, sums, nodal
         self.particles, self.grid, self.shape = layout.particles, layout.grid, layout.shape
-        self.surroundings, self.order = layout.surroundings, layout.order
+        self.order, self.of_step = layout.order, OfStep(layout.grid, layout.shape, layout.surroundings)
 
     @ti.func
     def begin(self, low, high):
@@ -188,11 +216,11 @@ class Groups:
         first, last = self.strips_of(t, threads)
         for strip in range(first, last):
             if self.layout.half[strip] == turn:
-                self.scatter_strip(strip, t)
+                self.scatter_strip(strip, t, self.of_step, 0)
 
     @ti.func
-    def scatter_strip(self, strip, t):
-        """Into the sums, what the points of a strip give."""
+    def scatter_strip(self, strip, t, of: ti.template(), number):
+        """Into the sums, what the points of a strip give, `of` a step or something else (as `OfStep`)."""
         lowest, highest = eight(self.grid.rows), eight(0.0)
         nothing = eight(0.0)
         c00, c01, c02 = nothing, nothing, nothing
@@ -200,14 +228,14 @@ class Groups:
         c20, c21, c22 = nothing, nothing, nothing
         at, columns = -2, self.grid.columns  # nothing has been collected yet, and node 0 does not follow it
         for g in range(self.layout.first[strip], self.layout.first[strip + 1]):
-            of_point = transposed(*point_contributions(self, self.grid, self.surroundings, g, t))
-            for patch in ti.static(range(self.shape.PATCHES)):
-                i, sx, gx, j, sy, gy = weights(self, self.grid, self.shape, g, t, patch)
+            of_point = transposed(*of.given(self, g, t, number))
+            for patch in ti.static(range(of.shape.PATCHES)):
+                i, sx, gx, j, sy, gy = of.weights(self, g, t, patch)
                 lowest, highest = smaller(j, lowest), larger(j, highest)
                 first = j * columns + i
                 for lane in ti.static(range(LANES)):
-                    k, v = self.within(first[lane]), of_point[lane]
-                    if ti.static(self.shape.NODES == 3):
+                    k, v = self.within(first[lane], of.shape.NODES), of_point[lane]
+                    if ti.static(of.shape.NODES == 3):
                         # as long as the points have the same nodes, their sums stay here
                         if k == at + 1:
                             self.sums[at] = self.sums[at] + c00
@@ -224,32 +252,32 @@ class Groups:
                             c20, c21, c22 = nothing, nothing, nothing
                             at = k
                         x0, x1, x2 = (
-                            along_x(sx[0][lane], gx[0][lane]), along_x(sx[1][lane], gx[1][lane]),
-                            along_x(sx[2][lane], gx[2][lane]),
+                            of.along_x(sx[0][lane], gx[0][lane]), of.along_x(sx[1][lane], gx[1][lane]),
+                            of.along_x(sx[2][lane], gx[2][lane]),
                         )  # fmt: skip
-                        y = v * along_y(sy[0][lane], gy[0][lane])
+                        y = v * of.along_y(sy[0][lane], gy[0][lane])
                         c00, c01, c02 = c00 + x0 * y, c01 + x1 * y, c02 + x2 * y
-                        y = v * along_y(sy[1][lane], gy[1][lane])
+                        y = v * of.along_y(sy[1][lane], gy[1][lane])
                         c10, c11, c12 = c10 + x0 * y, c11 + x1 * y, c12 + x2 * y
-                        y = v * along_y(sy[2][lane], gy[2][lane])
+                        y = v * of.along_y(sy[2][lane], gy[2][lane])
                         c20, c21, c22 = c20 + x0 * y, c21 + x1 * y, c22 + x2 * y
                     else:
-                        for b in ti.static(range(self.shape.NODES)):
-                            y = v * along_y(sy[b][lane], gy[b][lane])
-                            for a in ti.static(range(self.shape.NODES)):
+                        for b in ti.static(range(of.shape.NODES)):
+                            y = v * of.along_y(sy[b][lane], gy[b][lane])
+                            for a in ti.static(range(of.shape.NODES)):
                                 node = k + b * columns + a
-                                self.sums[node] = self.sums[node] + along_x(sx[a][lane], gx[a][lane]) * y
+                                self.sums[node] = self.sums[node] + of.along_x(sx[a][lane], gx[a][lane]) * y
         self.flush(at, c00, c01, c02, c10, c11, c12, c20, c21, c22)
         low = ti.max(0, ti.cast(0.0 - greatest(0.0 - lowest), ti.i32))
-        high = ti.min(self.grid.rows, ti.cast(greatest(highest), ti.i32) + self.shape.NODES)
+        high = ti.min(self.grid.rows, ti.cast(greatest(highest), ti.i32) + of.shape.NODES)
         self.layout.reach[strip, 0], self.layout.reach[strip, 1] = low, high
         for j in range(low, high):
             self.layout.touched[j] = 1
 
     @ti.func
-    def within(self, first):
-        """Number of the first node of a patch, which is one of the grid's: so addresses are known not to overflow."""
-        span = ti.static((self.shape.NODES - 1) * (self.grid.columns + 1))
+    def within(self, first, nodes: ti.template()):
+        """Number of the first node of a patch of so many an axis, one of the grid's: so addresses cannot overflow."""
+        span = ti.static((nodes - 1) * (self.grid.columns + 1))
         return ti.max(0, ti.min(ti.cast(first, ti.i32), self.grid.nodes - 1 - span))
 
     @ti.func
@@ -287,7 +315,7 @@ class Groups:
     @ti.func
     def from_nodes(self, lane: ti.template(), first, sx, gx, sy, gy):
         """The eight slots of one point."""
-        k, total = self.within(first[lane]), eight(0.0)
+        k, total = self.within(first[lane], self.shape.NODES), eight(0.0)
         if ti.static(self.shape.NODES == 3):
             x0, x1, x2 = (
                 along_x(sx[0][lane], gx[0][lane]), along_x(sx[1][lane], gx[1][lane]), along_x(sx[2][lane], gx[2][lane])

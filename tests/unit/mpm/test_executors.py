@@ -8,9 +8,11 @@ import pytest
 
 from taichi_silo.mpm import graphics_cards, own_cores, runtime, solver
 from taichi_silo.mpm.executors import NODES, POINTS, SCATTER, Threads
+from taichi_silo.mpm.field_memory import put
 from taichi_silo.mpm.grid import Grid
 from taichi_silo.mpm.laws import Elastic
 from taichi_silo.mpm.particles import Particles
+from taichi_silo.mpm.patch_filter import PatchFilter
 from taichi_silo.mpm.shapes import UniformGimp
 from taichi_silo.mpm.simd.executor import Simd
 from taichi_silo.mpm.solver import Solver
@@ -271,3 +273,42 @@ def test_the_vector_unit_is_used_where_it_can_be_trusted_and_the_solver_says_why
     assert isinstance(block(stress_update="first").executor, Threads)
     with pytest.raises(ValueError, match="cannot run on lanes because its stress update is 'first'"):
         block(stress_update="first", simd=True)
+
+
+@pytest.mark.parametrize("how", [EIGHT, EIGHT_ON_TWO])
+@pytest.mark.parametrize("name", ["very rough", "smooth, four points a cell", "half", "round, outlet", "memory"])
+def test_the_patch_filter_on_groups_takes_out_what_it_takes_out_on_points(name, how):
+    """Of sand that is torn, of which some has left, and a point of which is not finite."""
+    solver = stepped(name, how)[1]
+    sand, rng = solver.particles, np.random.default_rng(3)
+    state = {name: values[:-5] for name, values in sand.arrays().items()}
+    state["stress"] *= 1.0 + 0.5 * rng.random((len(state["mass"]), 1))
+    state["path"] = state["path"] + 0.01 * rng.random(len(state["mass"]))
+    state["stress"][7, 1] = np.nan
+    found = []
+    for filtering in (solver.filter, PatchFilter(sand, solver.grid, solver.law, solver.MIRRORED)):
+        sand.load(state)
+        filtering.begin()
+        put(filtering.path, 0.95 * state["path"], sand.number)
+        filtering.turn()
+        solver.executor.hand_back()
+        found.append(sand.arrays() | {"last path": filtering.path.to_numpy()[: sand.number]})
+    assert np.nanmax(np.abs(found[1]["stress"] - state["stress"])) > 1e-3 * np.nanmax(np.abs(state["stress"]))
+    for field, values in found[0].items():
+        np.testing.assert_allclose(values, found[1][field], rtol=0, atol=1e-13 * np.nanmax(np.abs(values)))
+
+
+@pytest.mark.parametrize("name", ["very rough", "half", "round, outlet"])
+def test_sums_over_the_points_are_those_over_groups_of_eight(name):
+    """Of sand of which some has left, so that the last group is not full, some of it lost and some astray."""
+    solver = stepped(name, EIGHT)[1]
+    sand = solver.particles
+    state = {name: values[:-5] for name, values in sand.arrays().items()}
+    state["stress"][:3], state["position"][3:5, 1], state["stress"][5, 0] = 0.0, 1e3, np.nan
+    sand.load(state)
+    groups = solver.point_sums()
+    solver.sums.take()
+    points = solver.sums.named(solver.sums.found.to_numpy())
+    assert (groups.strays, groups.separated) == (points.strays, points.separated) and groups.strays == 3
+    for found, one in vars(points).items():
+        assert getattr(groups, found) == pytest.approx(one, rel=1e-13, abs=1e-18, nan_ok=True)

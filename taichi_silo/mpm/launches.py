@@ -1,0 +1,96 @@
+"""Kernels of objects, launched on a processor again and again without being looked up anew.
+
+For each launch Taichi works out from all arguments which version of a kernel is meant. That takes 50 us, and three
+times as long where a step has just filled the caches with its own. Which version it is only arrays and templates
+decide: for the same ones as before it is known, and numbers are handed on as they are.
+"""
+
+from typing import Any
+
+MOST = 8  # versions that are kept
+
+
+class Launch:
+    """A kernel of an object, as `usual` (Taichi's own) launches it.
+
+    Parameters
+    ----------
+    usual : the kernel bound to the object.
+    language : `taichi`.
+
+    """
+
+    def __init__(self, usual: Any, language: Any):
+        self.usual, self.language = usual, language
+        self.__name__ = usual.__name__
+        self.deciding: list[int] | None = None  # numbers of the arguments that are no numbers
+        self.versions: dict[tuple[int, ...], Version] = {}
+
+    def __call__(self, *given: Any, **named: Any) -> Any:
+        """Launch it."""
+        if self.deciding is not None and not named:
+            version = self.versions.get(tuple(id(given[n]) for n in self.deciding))
+            if version is not None and version.program is self.language.lang.impl.get_runtime().prog:
+                return version.launch(given)
+        result = self.usual(*given, **named)
+        if not named:
+            self._keep(given)
+        return result
+
+    def _keep(self, given: tuple[Any, ...]) -> None:
+        """Keep the version that has just run, if it is one of a processor and of arrays of Taichi's own."""
+        config, core = self.language.lang.impl.current_cfg(), self.language._lib.core
+        kernel, scalars = self.usual._primal, self.language.types.primitive_types
+        kinds = [id(one.annotation) for one in kernel.arguments[1:]]
+        numbers = {*scalars.real_type_ids, *scalars.integer_type_ids}
+        deciding = [n for n, kind in enumerate(kinds) if kind not in numbers]
+        known = all(
+            isinstance(given[n], self.language.Ndarray)
+            or isinstance(kernel.arguments[n + 1].annotation, self.language.template)
+            for n in deciding
+        )
+        if len(given) == len(kinds) and known and config.arch in (core.x64, core.arm64) and not kernel.has_print:
+            if len(self.versions) >= MOST:
+                self.versions.clear()
+            self.deciding = deciding
+            key = tuple(id(given[n]) for n in deciding)
+            self.versions[key] = Version(self.language, kernel, self.usual._kernel_owner, given)
+
+
+class Version:
+    """A compiled kernel and its arrays, which it keeps alive: what else has their place in memory is none of them."""
+
+    def __init__(self, language: Any, kernel: Any, owner: Any, given: tuple[Any, ...]):
+        scalars = language.types.primitive_types
+        self.kernel, self.given = kernel, given
+        self.program = program = language.lang.impl.get_runtime().prog
+        number, _ = kernel.mapper.lookup((owner, *given))
+        self.made = kernel.compiled_kernels[kernel.func, number, kernel.autodiff_mode]
+        self.code = program.compile_kernel(program.config(), program.get_device_caps(), self.made)
+        self.arrays, self.reals, self.whole = [], [], []  # slots, and the array or the number of the argument
+        slot = 0
+        for n, one in enumerate(kernel.arguments[1:]):
+            if isinstance(one.annotation, language.template):
+                continue
+            if id(one.annotation) in scalars.real_type_ids:
+                self.reals.append(((slot,), n))
+            elif id(one.annotation) in scalars.integer_type_ids:
+                self.whole.append(((slot,), n))
+            else:
+                self.arrays.append(((slot,), given[n].arr))
+            slot += 1
+
+    def launch(self, given: tuple[Any, ...]) -> Any:
+        """Launch it with these arguments, of which numbers may be others than before."""
+        context = self.made.make_launch_context()
+        for slot, array in self.arrays:
+            context.set_arg_ndarray(slot, array)
+        for slot, n in self.reals:
+            context.set_arg_float(slot, float(given[n]))
+        for slot, n in self.whole:
+            context.set_arg_int(slot, int(given[n]))
+        self.program.launch_kernel(self.code, context)
+        if self.kernel.return_type is None:
+            return None
+        (kind,) = self.kernel.return_type
+        return self.kernel.construct_kernel_ret(context, kind, (0,))
