@@ -23,14 +23,15 @@ class Launch:
     def __init__(self, usual: Any, language: Any):
         self.usual, self.language = usual, language
         self.__name__ = usual.__name__
-        self.deciding: list[int] | None = None  # numbers of the arguments that are no numbers
+        self.number = -1  # of the arguments, once it is known,
+        self.deciding: list[int] = []  # and which of them are no numbers
         self.versions: dict[tuple[int, ...], Version] = {}
 
     def __call__(self, *given: Any, **named: Any) -> Any:
         """Launch it."""
-        if self.deciding is not None and not named:
+        if len(given) == self.number and not named:
             version = self.versions.get(tuple(id(given[n]) for n in self.deciding))
-            if version is not None and version.program is self.language.lang.impl.get_runtime().prog:
+            if version is not None and version.runtime is self.language.lang.impl.get_runtime():
                 return version.launch(given)
         result = self.usual(*given, **named)
         if not named:
@@ -52,18 +53,23 @@ class Launch:
         if len(given) == len(kinds) and known and config.arch in (core.x64, core.arm64) and not kernel.has_print:
             if len(self.versions) >= MOST:
                 self.versions.clear()
-            self.deciding = deciding
+            self.number, self.deciding = len(given), deciding
             key = tuple(id(given[n]) for n in deciding)
             self.versions[key] = Version(self.language, kernel, self.usual._kernel_owner, given)
 
 
 class Version:
-    """A compiled kernel and its arrays, which it keeps alive: what else has their place in memory is none of them."""
+    """A compiled kernel and its arrays, which it keeps: what else has their place in memory is none of them.
+
+    Of a Taichi that has ended it keeps nothing: neither the program nor the memory of arrays, which would take from the
+    next one what they hand back.
+    """
 
     def __init__(self, language: Any, kernel: Any, owner: Any, given: tuple[Any, ...]):
         scalars = language.types.primitive_types
         self.kernel, self.given = kernel, given
-        self.program = program = language.lang.impl.get_runtime().prog
+        self.runtime = language.lang.impl.get_runtime()
+        program = self.runtime.prog
         number, _ = kernel.mapper.lookup((owner, *given))
         self.made = kernel.compiled_kernels[kernel.func, number, kernel.autodiff_mode]
         self.code = program.compile_kernel(program.config(), program.get_device_caps(), self.made)
@@ -77,19 +83,19 @@ class Version:
             elif id(one.annotation) in scalars.integer_type_ids:
                 self.whole.append(((slot,), n))
             else:
-                self.arrays.append(((slot,), given[n].arr))
+                self.arrays.append(((slot,), given[n]))
             slot += 1
 
     def launch(self, given: tuple[Any, ...]) -> Any:
         """Launch it with these arguments, of which numbers may be others than before."""
         context = self.made.make_launch_context()
         for slot, array in self.arrays:
-            context.set_arg_ndarray(slot, array)
+            context.set_arg_ndarray(slot, array.arr)
         for slot, n in self.reals:
             context.set_arg_float(slot, float(given[n]))
         for slot, n in self.whole:
             context.set_arg_int(slot, int(given[n]))
-        self.program.launch_kernel(self.code, context)
+        self.runtime.prog.launch_kernel(self.code, context)
         if self.kernel.return_type is None:
             return None
         (kind,) = self.kernel.return_type
