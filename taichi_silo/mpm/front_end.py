@@ -5,7 +5,9 @@ that hardly ever come; for every function that is decorated it searches all modu
 each text is composed, and each source read, once. What is compiled is the same.
 """
 
+import ast
 import contextlib
+import copy
 import functools
 import importlib
 import inspect
@@ -61,6 +63,7 @@ def _speed_up(name: str) -> None:
         )
         context = importlib.import_module("taichi.lang.ast.ast_transformer_utils").ASTTransformerContext
         context.get_pos_info = position
+        deciding.ast = SimpleNamespace(**vars(deciding.ast) | {"parse": parsed})
 
 
 def inside_class(level_of_class_stackframe: int) -> bool:
@@ -70,6 +73,20 @@ def inside_class(level_of_class_stackframe: int) -> bool:
     except ValueError:  # it is in the first line of a program
         return False
     return HEADS.match(line_of(frame).strip()) is not None
+
+
+def parsed(source: str) -> ast.Module:
+    """The tree of a function's source, of which Taichi changes the decorators and the parameters, and no more."""
+    function = copy.copy(_tree(source))
+    function.args = copy.copy(function.args)
+    return ast.Module([function], [])
+
+
+@remember
+def _tree(source: str) -> ast.FunctionDef:
+    (function,) = ast.parse(source).body
+    assert isinstance(function, ast.FunctionDef)
+    return function
 
 
 def position(context: Any, node: Any) -> str:

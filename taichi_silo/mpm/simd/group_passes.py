@@ -54,6 +54,7 @@ class GroupPasses:
         ti.loop_config(block_dim=1, serialize=self.alone)
         for t in range(self.threads):
             for store in ti.static([Groups(self.layout, points, sums, nodal)]):
+                store.align()
                 low, high = t * self.grid.rows // self.threads, (t + 1) * self.grid.rows // self.threads
                 self._clear(sums, nodal, low, high)
                 for number in range(PASSES + 1):
@@ -83,7 +84,9 @@ class GroupPasses:
         """Slots that group g gives in a pass: weight times what is left, weight, moments. The last takes that out."""
         s0, s1, s2, s3 = store.read("stress", g)
         sound, x, y = self._place(store, g, t)
-        r0, r1, r2, r3 = self._left(store, (s0, s1, s2, s3), g, t)
+        r0, r1, r2, r3 = s0, s1, s2, s3
+        if number > 0:
+            r0, r1, r2, r3 = self._left(store, (s0, s1, s2, s3), g, t)
         if number == PASSES:
             self.filtering.finish_group(store, g, (r0, r1, r2, r3), sound)
         zero = eight(0.0)
