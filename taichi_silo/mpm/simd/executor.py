@@ -23,6 +23,7 @@ from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd,
 from taichi_silo.mpm.walls.outlets import OPENED
 
 SORTED_FOR = 0.25  # of a cell: as far as points may move before they are sorted anew
+LIGHT = 2048  # groups that are loaded and stored by one thread, sooner than others have begun
 FAR = 1e9  # cells, beyond which no number of a cell is told from another
 NOTHING = 1e-200  # of a point's mass and volume: what fills up the last group
 
@@ -64,6 +65,7 @@ class Simd(Executor):
         reach = math.ceil(averaging.reach_m / min(grid.cell_size, grid.first_cell_height))
         self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), reach) + 2
         self.gap = max(0, reach - shape.NODES)  # rows of nodes that must stay between their nodes
+        self.light = self.alone or self.layout.groups < LIGHT
         self.compiled: set[str] = set()
         self.own_cores = OwnCores(self.threads)
         self.fastest = (-1, 0.0)  # revision of the particles, and greatest speed [m/s]
@@ -230,7 +232,7 @@ class Simd(Executor):
 
     @ti.kernel
     def _load(self, points: arrays_of_eight, nodal: arrays_of_eight):
-        ti.loop_config(serialize=self.alone)
+        ti.loop_config(serialize=self.light)
         for g in range(self.layout.groups):
             for lane in range(LANES):
                 p, scale = self.layout.order[g * LANES + lane], ti.cast(1.0, real)
@@ -246,14 +248,14 @@ class Simd(Executor):
                     else:
                         for c in ti.static(range(width)):
                             points[k + c][lane] = ti.static(self.particles.fields[name])[p][c]
-        ti.loop_config(serialize=self.alone)
+        ti.loop_config(serialize=self.light)
         for k in range(self.grid.nodes):  # which somebody may have borrowed
             for lane in ti.static(range(LANES)):
                 nodal[k][lane] = 0.0
 
     @ti.kernel
     def _store(self, points: arrays_of_eight):
-        ti.loop_config(serialize=self.alone)
+        ti.loop_config(serialize=self.light)
         for g in range((self.particles.active[None] + LANES - 1) // LANES):
             for lane in range(ti.min(LANES, self.particles.active[None] - g * LANES)):
                 p = self.layout.order[g * LANES + lane]
