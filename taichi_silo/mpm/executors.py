@@ -167,6 +167,9 @@ class Executor:
     def hand_back(self) -> None:
         """Have the fields of the points hold the state; steps may leave it elsewhere."""
 
+    def lend(self) -> None:
+        """Let somebody change the fields of the points: the state is taken over from them once more."""
+
     def state(self) -> dict | None:
         """What outlives a launch beside the fields of points and nodes, for a checkpoint; None if nothing does."""
         return None

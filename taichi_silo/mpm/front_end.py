@@ -5,9 +5,7 @@ that hardly ever come; for every function that is decorated it searches all modu
 each text is composed, and each source read, once. What is compiled is the same.
 """
 
-import ast
 import contextlib
-import copy
 import functools
 import importlib
 import inspect
@@ -19,14 +17,15 @@ from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 from typing import Any
 
-from taichi_silo.mpm.launches import Launch
+from taichi_silo.mpm.launches import Launch, Launches
 
 MODULES = {  # that find whether a function is one of a class, read sources, wrap lines
     "taichi": ("kernel_impl", "kernel_impl", "kernel_impl"),
     "quadrants": ("kernel_impl", "_wrap_inspect", "_func_base"),
 }
 HEADS = re.compile(r"@(\w+\.)?data_oriented|class ")  # of a class's text
-LAUNCHES = "_launches"  # attribute of an object: its number, and its kernels by name
+LAUNCHES = "_launches"  # attribute of an object
+OWN = __name__.split(".")[0] + "."  # whose kernels are launched without being looked up
 remember = functools.lru_cache(1 << 16)
 
 
@@ -63,7 +62,6 @@ def _speed_up(name: str) -> None:
         )
         context = importlib.import_module("taichi.lang.ast.ast_transformer_utils").ASTTransformerContext
         context.get_pos_info = position
-        deciding.ast = SimpleNamespace(**vars(deciding.ast) | {"parse": parsed})
 
 
 def inside_class(level_of_class_stackframe: int) -> bool:
@@ -73,20 +71,6 @@ def inside_class(level_of_class_stackframe: int) -> bool:
     except ValueError:  # it is in the first line of a program
         return False
     return HEADS.match(line_of(frame).strip()) is not None
-
-
-def parsed(source: str) -> ast.Module:
-    """The tree of a function's source, of which Taichi changes the decorators and the parameters, and no more."""
-    function = copy.copy(_tree(source))
-    function.args = copy.copy(function.args)
-    return ast.Module([function], [])
-
-
-@remember
-def _tree(source: str) -> ast.FunctionDef:
-    (function,) = ast.parse(source).body
-    assert isinstance(function, ast.FunctionDef)
-    return function
 
 
 def position(context: Any, node: Any) -> str:
@@ -108,16 +92,19 @@ class BoundKernel:
     def __get__(self, owner: Any, kind: type | None = None) -> Any:
         if owner is None:
             return self.kernel
-        whose, launches = vars(owner).setdefault(LAUNCHES, (id(owner), {}))
-        if whose != id(owner):  # the object is a copy
-            launches = {}
-            vars(owner)[LAUNCHES] = id(owner), launches
-        name = self.kernel.__name__
-        if name not in launches:
-            bound = self.bind(owner, self.kernel)
-            bound.__name__ = name
-            launches[name] = Launch(bound, sys.modules["taichi"])
-        return launches[name]
+        if not type(owner).__module__.startswith(OWN):
+            return self._bound(owner)
+        launches = vars(owner).get(LAUNCHES)
+        if launches is None or launches.owner != id(owner):  # the object is new, or a copy
+            launches = vars(owner)[LAUNCHES] = Launches(id(owner))
+        if self not in launches.known:
+            launches.known[self] = Launch(self._bound(owner), sys.modules["taichi"])
+        return launches.known[self]
+
+    def _bound(self, owner: Any) -> Any:
+        bound = self.bind(owner, self.kernel)
+        bound.__name__ = self.kernel.__name__
+        return bound
 
 
 def data_oriented(bind: Callable, usual: Callable, kind: type) -> type:

@@ -10,6 +10,18 @@ from typing import Any
 MOST = 8  # versions that are kept
 
 
+class Launches:
+    """Those of an object, by its kernels; a copy of the object, which has another number, begins with none."""
+
+    def __init__(self, owner: int):
+        self.owner = owner
+        self.known: dict[Any, Launch] = {}
+
+    def __reduce__(self) -> tuple:
+        """Nothing of it is copied."""
+        return Launches, (0,)
+
+
 class Launch:
     """A kernel of an object, as `usual` (Taichi's own) launches it.
 
@@ -43,14 +55,15 @@ class Launch:
         config, core = self.language.lang.impl.current_cfg(), self.language._lib.core
         kernel, scalars = self.usual._primal, self.language.types.primitive_types
         kinds = [id(one.annotation) for one in kernel.arguments[1:]]
-        numbers = {*scalars.real_type_ids, *scalars.integer_type_ids}
+        numbers = {*scalars.real_type_ids, id(self.language.i32)}
         deciding = [n for n, kind in enumerate(kinds) if kind not in numbers]
         known = all(
             isinstance(given[n], self.language.Ndarray)
             or isinstance(kernel.arguments[n + 1].annotation, self.language.template)
             for n in deciding
         )
-        if len(given) == len(kinds) and known and config.arch in (core.x64, core.arm64) and not kernel.has_print:
+        plain = not kernel.has_print and (kernel.return_type is None or len(kernel.return_type) == 1)
+        if len(given) == len(kinds) and known and plain and config.arch in (core.x64, core.arm64):
             if len(self.versions) >= MOST:
                 self.versions.clear()
             self.number, self.deciding = len(given), deciding
@@ -80,7 +93,7 @@ class Version:
                 continue
             if id(one.annotation) in scalars.real_type_ids:
                 self.reals.append(((slot,), n))
-            elif id(one.annotation) in scalars.integer_type_ids:
+            elif one.annotation is language.i32:
                 self.whole.append(((slot,), n))
             else:
                 self.arrays.append(((slot,), given[n]))

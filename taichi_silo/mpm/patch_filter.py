@@ -119,7 +119,7 @@ class PatchFilter:
         self.way += steps * speed_m_per_s * dt / self.grid.cell_size
         next_way = speed_m_per_s * dt / self.grid.cell_size
         if self.steps >= MOST_STEPS or self.way + next_way > TURN * (1.0 + 1e-6):
-            self.turn()
+            self._turn()
             self.way, self.steps = 0.0, 0
 
     def state(self) -> dict:
@@ -132,7 +132,12 @@ class PatchFilter:
         self.revision, self.way, self.steps = self.particles.revision, state["way"], state["steps"]
 
     def turn(self) -> None:
-        """Let fade what is to fade."""
+        """Let fade what is to fade; the fields of the points have it then."""
+        self._turn()
+        if self.executor:
+            self.executor.hand_back()
+
+    def _turn(self) -> None:
         if self.groups:
             self.executor.change(self.groups.turn)
             return
@@ -196,8 +201,7 @@ class PatchFilter:
         """Both for a group of eight of a store, where its points are sound."""
         before = eight(0.0)
         for lane in ti.static(range(LANES)):
-            p = ti.min(store.order[g * LANES + lane], self.particles.count - 1)  # beyond the last there is none
-            before[lane] = self.path[p]
+            before[lane] = self.path[store.number(g, lane)]
         s0, s1, s2, s3 = store.read("stress", g)
         e = self._void_ratio(store, g)
         share = self._share(store, g, (s0, s1, s2, s3), e, before)
@@ -208,8 +212,7 @@ class PatchFilter:
         ))  # fmt: skip
         path = store.read("path", g)
         for lane in ti.static(range(LANES)):
-            if store.order[g * LANES + lane] < self.particles.active[None]:
-                self.path[store.order[g * LANES + lane]] = path[lane]
+            self.path[store.number(g, lane)] = path[lane]
 
     @ti.func
     def _share(self, points: ti.template(), p, stress, e, path_before):

@@ -129,10 +129,9 @@ class PointSums:
             store.sums[n + zero] = eight(nothing(kind))
         for g in range((active + LANES - 1) // LANES):
             values = self.of_point(store, g)
-            number = eight(*ti.static([float(lane) for lane in range(LANES)]))
-            there = ti.select(number < eight(ti.cast(active - g * LANES, real)), eight(1.0), eight(0.0))
+            there = store.there(g)
             for n, kind in ti.static(enumerate(KINDS.values())):
-                one = values[n] * there if ti.static(kind == COUNT) else values[n]
+                one = ti.select(there, values[n], eight(nothing(kind)))
                 store.sums[n + zero] = joined(kind, store.sums[n + zero], one)
         for n, kind in ti.static(enumerate(KINDS.values())):
             lanes = store.sums[n + zero]

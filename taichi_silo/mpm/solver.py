@@ -187,8 +187,10 @@ class Solver:
         `stage` is that of the noise control (`NoiseControl.rates`).
         """
         schedule = (*map(float, gravity), *map(float, plate_velocity), *self.control.rates(stage))
-        if steps == 0:
-            self.executor.run(0, 0, 0, dt, *schedule)  # compiles
+        if steps == 0:  # compiles
+            self.executor.run(0, 0, 0, dt, *schedule)
+            self.executor.hand_back()
+            return
         if self.friction.ACTIVE:
             found = self.point_sums()
             self.friction.know_waves(self.grid.cell_size / found.transit - found.speed)
@@ -197,20 +199,22 @@ class Solver:
         if filters:
             self.filter.begin()
         done = 0
-        while done < steps:
-            chunk = steps - done
-            fastest = self._fastest((steps - done) * dt, gravity, plate_velocity) if looks else 0.0
-            if self.averaging.ACTIVE:
-                self.executor.hand_back()
-                self.averaging.refresh()
-                chunk = min(chunk, self.averaging.steps_within(fastest, dt))
-            if filters:
-                chunk = min(chunk, self.filter.steps_within(fastest, dt))
-            self.executor.run(done, chunk, steps, dt, *schedule)
-            if filters:
-                self.filter.passed(chunk, fastest, dt)
-            done += chunk
-        self.executor.hand_back()
+        try:
+            while done < steps:
+                chunk = steps - done
+                fastest = self._fastest((steps - done) * dt, gravity, plate_velocity) if looks else 0.0
+                if self.averaging.ACTIVE:
+                    self.executor.hand_back()
+                    self.averaging.refresh()
+                    chunk = min(chunk, self.averaging.steps_within(fastest, dt))
+                if filters:
+                    chunk = min(chunk, self.filter.steps_within(fastest, dt))
+                self.executor.run(done, chunk, steps, dt, *schedule)
+                if filters:
+                    self.filter.passed(chunk, fastest, dt)
+                done += chunk
+        finally:
+            self.executor.hand_back()
 
     def _fastest(self, duration_s: float, gravity: Sequence[float], plate_velocity: Sequence[float]) -> float:
         """How fast a point may become in a time, relative to the grid [m/s]: carried by a plate, or in free fall."""
@@ -242,10 +246,11 @@ class Solver:
 
         """
         self.executor.check()
+        self.executor.lend()  # somebody may have changed the fields
         return self._with_stable_step(self.sums.read())
 
     def record(self) -> Record:
-        """What `impulses.read_and_reset` and `point_sums` give, read at once."""
+        """What `impulses.read_and_reset` and `point_sums` give, read at once; of the points as `advance` left them."""
         self.executor.check()
         reaction, control, found = self.readings.record()
         return reaction, control, self._with_stable_step(found)

@@ -52,12 +52,16 @@ def test_a_given_step_halved_doubles_their_number():
 HOPPER = Silo(hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.1))
 
 
-@pytest.mark.parametrize("silo", [Silo(), HOPPER], ids=["bottom", "hopper"])
-def test_a_rehearsal_leaves_the_run_as_it_would_have_been(silo):
+@pytest.mark.parametrize(
+    ("silo", "a_cell"), [(Silo(), 1), (HOPPER, 1), (HOPPER, 4)], ids=["bottom", "hopper", "hopper, filtered in flow"]
+)
+def test_a_rehearsal_leaves_the_run_as_it_would_have_been(silo, a_cell):
     """Bit by bit: forces, points and clock; a hopper's walls let go of what they pressed on."""
+    changed = {"silo": silo, "grid": Mesh(cell_size_m=0.05, points_per_cell=a_cell)}
 
     def history(rehearsed: bool):
-        simulation = started(coarse(displacement=0.001).model_copy(update={"silo": silo}))
+        simulation = started(coarse(displacement=0.001).model_copy(update=changed))
+        assert (silo is not HOPPER or a_cell == 4) == simulation.solver.filter.ACTIVE
         if rehearsed:
             assert cost_estimate.rehearse(simulation, seconds=0.05) > 0.0
             assert (simulation.time, simulation.clock.steps, simulation.stage) == (0.0, 0, "filling")

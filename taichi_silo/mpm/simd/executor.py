@@ -6,7 +6,7 @@ with it every bit of the result, is the same for any number of threads.
 
 import contextlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd,
 from taichi_silo.mpm.walls.outlets import OPENED
 
 SORTED_FOR = 0.25  # of a cell: as far as points may move before they are sorted anew
+WIDEST = 3  # patch of a point, of its shape or of a filter [nodes]
 LIGHT = 2048  # groups that are loaded and stored by one thread, sooner than others have begun
 FAR = 1e9  # cells, beyond which no number of a cell is told from another
 NOTHING = 1e-200  # of a point's mass and volume: what fills up the last group
@@ -47,7 +48,10 @@ def hindrance(solver: Any) -> str:
 
 @ti.data_oriented
 class Simd(Executor):
-    """Runs phases over groups of eight points (`executors` says what an executor is, `store.Layout` its arrays)."""
+    """Runs phases over groups of eight points (`executors` says what an executor is, `store.Layout` its arrays).
+
+    From one launch to the next the state stays in the arrays; `hand_back` brings it to the fields.
+    """
 
     def __init__(self, phases: tuple[Phase, ...], solver: Any):
         self.particles, self.grid, self.shape = particles, grid, shape = solver.particles, solver.grid, solver.shape
@@ -63,13 +67,14 @@ class Simd(Executor):
         self.strips = 2  # that the points are cut into
         # rows of cells between points of strips with the same sums: no common node, and a row that either may move
         reach = math.ceil(averaging.reach_m / min(grid.cell_size, grid.first_cell_height))
-        self.apart = max(shape.NODES + (4 if shape.DOMAIN else 0), reach) + 2
-        self.gap = max(0, reach - shape.NODES)  # rows of nodes that must stay between their nodes
+        self.apart = max(WIDEST + (4 if shape.DOMAIN else 0), reach) + 2
+        self.gap = max(0, 2 * (WIDEST - shape.NODES), reach - shape.NODES)  # rows of nodes that must stay between
         self.light = self.alone or self.layout.groups < LIGHT
         self.compiled: set[str] = set()
         self.own_cores = OwnCores(self.threads)
         self.fastest = (-1, 0.0)  # revision of the particles, and greatest speed [m/s]
-        self.holds, self.stale = -1, False  # revision of the particles whose state the store has, the fields not
+        self.holds = -1  # revision of the particles whose state the store has
+        self.stale = False  # whether the fields have an earlier one
         self.sums_of_points = solver.sums
         solver.sums.lanes = self
         solver.filter.work_on(self)
@@ -89,10 +94,10 @@ class Simd(Executor):
             self.sorted = (-1, 0.0)
 
     def hand_back(self) -> None:
-        """Bring the state to the fields, unless they have it."""
-        if self.stale:
+        """Bring the state to the fields, unless they have it, or a state that was loaded since."""
+        if self.stale and self.holds == self.particles.revision:
             self._store(self.points)
-            self.stale = False
+        self.stale = False
 
     def lend(self) -> None:
         """Let somebody use the arrays and change the fields: the state is taken over from them once more."""
@@ -117,12 +122,15 @@ class Simd(Executor):
             self._sort(0, 0.0, (0.0,) * 6)
             self.load()
 
-    def _compiling(self, name: str) -> contextlib.AbstractContextManager[None]:
+    @contextlib.contextmanager
+    def _compiling(self, name: str) -> Iterator[None]:
         """Within, a kernel may be compiled that runs for the first time."""
         if name in self.compiled:
-            return contextlib.nullcontext()
-        self.compiled.add(name)
-        return compiling_simd()
+            yield
+        else:
+            with compiling_simd():
+                yield
+            self.compiled.add(name)
 
     def check(self) -> None:
         """See `Barrier`."""
@@ -278,7 +286,7 @@ class Simd(Executor):
                 most = eight(0.0)
                 for g in range((self.particles.active[None] + LANES - 1) // LANES):
                     x, y = store.read("velocity", g)
-                    most = larger(x * x + y * y, most)
+                    most = larger(ti.select(store.there(g), x * x + y * y, eight(0.0)), most)
                 found = greatest(most)
             if self._crowded():
                 found = -1e-300 - found

@@ -166,8 +166,19 @@ class Groups(Nodes):
         """A function of the number of each point."""
         values = eight(0.0)
         for lane in ti.static(range(LANES)):
-            values[lane] = function(self.order[g * LANES + lane])
+            values[lane] = function(self.number(g, lane))
         return values
+
+    @ti.func
+    def number(self, g, lane):
+        """That of a point; of what fills up the last group that of the last point, which it is like."""
+        return self.order[ti.max(ti.min(g * LANES + lane, self.particles.active[None] - 1), 0)]
+
+    @ti.func
+    def there(self, g):
+        """Which of a group are points, not what fills it up."""
+        number = eight(*ti.static([float(lane) for lane in range(LANES)]))
+        return number < eight(ti.cast(self.particles.active[None] - g * LANES, real))
 
     # --- between points and nodes ---------------------------------------------------------------------------------
 

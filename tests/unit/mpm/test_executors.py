@@ -14,7 +14,7 @@ from taichi_silo.mpm.laws import Elastic
 from taichi_silo.mpm.particles import Particles
 from taichi_silo.mpm.patch_filter import PatchFilter
 from taichi_silo.mpm.shapes import UniformGimp
-from taichi_silo.mpm.simd.executor import Simd
+from taichi_silo.mpm.simd.executor import NOTHING, Simd
 from taichi_silo.mpm.solver import Solver
 from taichi_silo.mpm.tasks import Tasks, tasks_of
 from taichi_silo.scene.scene import Averaging, Flow, Machine, Mesh, Method, Sand, Scene, Silo, Walls
@@ -312,3 +312,40 @@ def test_sums_over_the_points_are_those_over_groups_of_eight(name):
     assert (groups.strays, groups.separated) == (points.strays, points.separated) and groups.strays == 3
     for found, one in vars(points).items():
         assert getattr(groups, found) == pytest.approx(one, rel=1e-13, abs=1e-18, nan_ok=True)
+
+
+def test_what_fills_up_the_last_group_stays_like_the_last_point():
+    """Of 30 points two places are left; what they hold weighs nothing, but must not grow."""
+    solver = stepped("half, non-local", EIGHT)[1]
+    sand, layout = solver.particles, solver.executor.layout
+    for _ in range(6):
+        solver.advance(50, 2e-5, gravity=(9.81, 9.81), plate_velocity=(-0.05, -0.05))
+        solver.filter.turn()
+        lanes = solver.executor.points.to_numpy().reshape(layout.groups, layout.record, 8)[sand.number // 8]
+        last = lanes[:, sand.number % 8 - 1]
+        for filler in lanes[:, sand.number % 8 :].T:
+            weight = np.isclose(filler, last * NOTHING, rtol=1e-9, atol=0.0)
+            np.testing.assert_allclose(filler[~weight], last[~weight], rtol=1e-9, atol=1e-12 * np.abs(last).max())
+    assert sand.number % 8 == 6
+
+
+def test_a_state_that_is_loaded_or_written_counts_whatever_was_before(monkeypatch):
+    """After an interruption within an interval, after a turn of the filter by hand, beside another solver."""
+    solver = stepped("very rough", EIGHT)[1]
+    sand = solver.particles
+    state = {name: values.copy() for name, values in sand.arrays().items()}
+    state["velocity"][:] = 1.0
+    with monkeypatch.context() as patch:
+        patch.setattr(solver.filter, "passed", lambda *a: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            solver.advance(20, 2e-5, gravity=(9.81, 9.81))
+    moved = sand.array("position")
+    assert (moved != state["position"]).any()  # the steps that were done are in the fields
+    for interrupt in (solver.filter.turn, lambda: solver.advance(5, 2e-5)):
+        interrupt()
+        sand.load(state)
+        assert solver.point_sums().speed == pytest.approx(np.sqrt(2.0), rel=1e-12)
+        assert (sand.array("stress") == state["stress"]).all()
+    solver.advance(1, 2e-5)
+    put(sand.velocity, 3.0)
+    assert solver.point_sums().speed == pytest.approx(np.sqrt(18.0), rel=1e-12)
