@@ -35,3 +35,15 @@ def test_after_five_seconds_there_is_one_line_however_small_a_part_is_done(secon
             observer.observe(RECORD)
     written = (tmp_path / "run.log").read_text()
     assert written.count("filling, 0 %") == said.getvalue().count("0.0 %") == lines
+
+
+def test_what_is_noticed_when_the_flow_has_ended_is_said_as_well(tmp_path):
+    """As that the sand lagged behind the gate: no record follows."""
+    said = io.StringIO()
+    simulation = SimpleNamespace(**vars(SIMULATION) | {"warnings": ["Early."]})
+    line = progress.ProgressLine(Console(file=said, width=200))
+    line.begin(simulation)
+    line.observe(RECORD)
+    simulation.warnings.append("The sand lags behind.")
+    line.end()
+    assert said.getvalue().count("Early.") == said.getvalue().count("Warning: The sand lags behind.") == 1

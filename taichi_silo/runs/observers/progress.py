@@ -106,9 +106,10 @@ class ProgressLine(Observer):
         self.told = len(self.simulation.warnings)
 
     def end(self) -> None:
-        """Leave the last state on the screen."""
+        """Leave the last state on the screen, and what was noticed at the end of the flow."""
         if self.bar is not None:
             self.bar.refresh()
             self.bar.stop()
         elif self.text:
             self._print(f"   end   {self.text}", highlight=False, soft_wrap=True)
+        self._warn()
