@@ -6,7 +6,7 @@ resists them: the null space of the map from points to nodes.
 The contract: `ACTIVE`, and `phases()`, the phases that a filter adds after the stresses are known (see `executors`).
 One that works `BETWEEN_LAUNCHES` has none of them, but `waits`, whether it acts in flow alone, `begin()` for the start
 of `Solver.advance`, `steps_within(speed, dt)`, how many steps may pass before it acts, `passed(steps, speed, dt)`,
-`keep(stayed)` when points have been taken out, and for checkpoints `state()` and `restore(state)`.
+`keep(stayed)` when points have been taken out, and for checkpoints `state()` and `restore(state)`, or of None.
 
 A filtered stress is pulled back to what the law admits.
 """

@@ -126,10 +126,12 @@ class PatchFilter:
         """What outlives a launch, for a checkpoint."""
         return {"path": present(self.path), "way": self.way, "steps": self.steps}
 
-    def restore(self, state: dict) -> None:
-        """Go on from the points that are there now, and from what `state` gave."""
-        put(self.path, state["path"])
-        self.revision, self.way, self.steps = self.particles.revision, state["way"], state["steps"]
+    def restore(self, state: dict | None) -> None:
+        """Go on from the points that are there now and what `state` gave; without it strain is not counted yet."""
+        self.revision = -1
+        if state is not None:
+            put(self.path, state["path"])
+            self.revision, self.way, self.steps = self.particles.revision, state["way"], state["steps"]
 
     def turn(self) -> None:
         """Let fade what is to fade; the fields of the points have it then."""

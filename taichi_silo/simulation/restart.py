@@ -43,7 +43,7 @@ def restore(solver: Solver, kept: dict, points: dict[str, np.ndarray], revision:
             put(field, array.T if old else array)
     if "surfaces" in kept:
         solver.surfaces.restore(**kept["surfaces"])
-    if solver.filter.BETWEEN_LAUNCHES and "filter" in kept:
-        solver.filter.restore(kept["filter"])
+    if solver.filter.BETWEEN_LAUNCHES:
+        solver.filter.restore(kept.get("filter"))
     solver.executor.restore(kept.get("lanes"))
     solver.impulses.read_and_reset()
