@@ -107,6 +107,8 @@ def main() -> None:
     """Measure, print, write."""
     argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     FOLDER.mkdir(parents=True, exist_ok=True)
+    for points in SIZES:  # compiles, which takes memory of its own
+        memory(points)
     rows = [row for points in SIZES for row in memory(points)]
     process, a_point = law(rows, "most_bytes")
     process_stepping, a_point_stepping = law([row for row in rows if row["stage"] in STEPPING], "most_bytes")

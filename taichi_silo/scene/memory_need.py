@@ -12,9 +12,9 @@ from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.symmetry import half_model
 
 GIB = 2.0**30
-OF_PROCESS = 0.28 * GIB  # Python, Taichi and the compiled step
-OF_POINT = 360.0  # bytes, of the fields of a computed point and its node
-OF_KEPT = 212.0  # of a point of the whole silo, in the states that a run keeps and looks at
+OF_PROCESS = 0.26 * GIB  # Python, Taichi and the compiled step
+OF_POINT = 400.0  # bytes, of the fields of a computed point and its node
+OF_KEPT = 203.0  # of a point of the whole silo, in the states that a run keeps and looks at
 OF_MEAN = 140.0  # of a point in a non-local average
 OF_PAIR = 12.0  # of neighbours
 OF_MEAN_NODE = 32.0  # of the average's grid
