@@ -24,7 +24,7 @@ class GroupPasses:
 
     Parameters
     ----------
-    filtering : the filter, which says what becomes of a stress (`finished`) and holds the path of the strain.
+    filtering : the filter, which says what becomes of a stress (`finish_group`) and holds the path of the strain.
     executor : whose points and nodes these are.
     mirrored : whether the grid's last column before its margin is an axis of symmetry (see `mirrored_solver`).
 
@@ -127,8 +127,8 @@ class GroupPasses:
     def _left(self, store: ti.template(), stress, g, t):
         """Stresses of eight points less what the means give back at a point.
 
-        With sums T over the nodes by weights and by their slopes, the means are right at the centroid of the centroids
-        and have a slope there: see `PatchPasses`.
+        Summed over the nodes by their weights (s) the means are right at the centroid of the centroids; summed by the
+        slopes of the weights (dx, dy) they give the slope there: see `PatchPasses`.
         """
         _, x, y = self._place(store, g, t)
         i, sx, gx, j, sy, gy = self.weights(store, g, t, 0)
