@@ -34,7 +34,7 @@ class Phases:
             if kernel in self.compiled:
                 kernel(*given)
             else:
-                self.simd.load()
+                self.simd.hold()
                 with compiling_simd():
                     kernel(*given)
                 self.compiled.add(kernel)

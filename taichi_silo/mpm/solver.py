@@ -187,6 +187,7 @@ class Solver:
         `stage` is that of the noise control (`NoiseControl.rates`).
         """
         schedule = (*map(float, gravity), *map(float, plate_velocity), *self.control.rates(stage))
+        self.executor.lend()  # somebody may have changed the fields
         if steps == 0:  # compiles
             self.executor.run(0, 0, 0, dt, *schedule)
             self.executor.hand_back()
@@ -246,7 +247,7 @@ class Solver:
 
         """
         self.executor.check()
-        self.executor.lend()  # somebody may have changed the fields
+        self.executor.lend()
         return self._with_stable_step(self.sums.read())
 
     def record(self) -> Record:

@@ -1,31 +1,21 @@
-"""The steps of a solver on groups of eight points; the solver's fields hold the state before and after each launch.
-
-The points are cut into strips, whose number depends on the points, not on the threads: the order of every sum, and
-with it every bit of the result, is the same for any number of threads.
-"""
+"""The steps of a solver on groups of eight points."""
 
 import contextlib
 import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
-import numpy as np
-
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.executors import Executor, Phase, PhaseLoop
-from taichi_silo.mpm.field_memory import present, put, values
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.own_cores import OwnCores
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.simd.lane_maths import greatest, larger
-from taichi_silo.mpm.simd.store import HALVES, STRIPS, Groups, Layout
+from taichi_silo.mpm.simd.store import HALVES, Groups, Layout
+from taichi_silo.mpm.simd.strips import Strips
 from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd, eight
-from taichi_silo.mpm.walls.outlets import OPENED
 
-SORTED_FOR = 0.25  # of a cell: as far as points may move before they are sorted anew
-WIDEST = 3  # patch of a point, of its shape or of a filter [nodes]
 LIGHT = 2048  # groups that are loaded and stored by one thread, sooner than others have begun
-FAR = 1e9  # cells, beyond which no number of a cell is told from another
 NOTHING = 1e-200  # of a point's mass and volume: what fills up the last group
 
 
@@ -63,12 +53,7 @@ class Simd(Executor):
         self.points = runtime.array(eight, self.layout.groups * self.layout.record)
         self.sums, self.nodal = (runtime.array(eight, grid.nodes) for _ in range(2))
         self.arrays = self.points, self.sums, self.nodal
-        self.sorted = (-1, 0.0)  # revision of the particles, and how far points may have moved since [cells]
-        self.strips = 2  # that the points are cut into
-        # rows of cells between points of strips with the same sums: no common node, and a row that either may move
-        reach = math.ceil(averaging.reach_m / min(grid.cell_size, grid.first_cell_height))
-        self.apart = max(WIDEST + (4 if shape.DOMAIN else 0), reach) + 2
-        self.gap = max(0, 2 * (WIDEST - shape.NODES), reach - shape.NODES)  # rows of nodes that must stay between
+        self.strips = Strips(self.layout, averaging.reach_m)
         self.light = self.alone or self.layout.groups < LIGHT
         self.compiled: set[str] = set()
         self.own_cores = OwnCores(self.threads)
@@ -81,9 +66,9 @@ class Simd(Executor):
 
     def run(self, done: int, count: int, steps: int, dt: float, *schedule: float) -> None:
         """Sort, take the state over from the fields if the store has it not, and do all steps in one launch."""
-        self._sort(count, dt, schedule)
-        if done == 0 or self.holds != self.particles.revision:
-            self.load()
+        if not self.strips.wear(count, dt, schedule):
+            self._sort()
+        self.hold()
         given = *self.arrays, done, count, steps, dt, *schedule, self.loop.barrier.reserve(count * self.loop.waits)
         with self.own_cores.of_launch(), self._compiling("steps"):
             self._steps(*given)
@@ -91,7 +76,7 @@ class Simd(Executor):
             squared = self._look(*self.arrays)
         self.fastest, self.stale = (self.particles.revision, math.sqrt(abs(squared))), True
         if squared < 0.0:
-            self.sorted = (-1, 0.0)
+            self.strips.outdate()
 
     def hand_back(self) -> None:
         """Bring the state to the fields, unless they have it, or a state that was loaded since."""
@@ -105,22 +90,30 @@ class Simd(Executor):
 
     def change(self, function: Callable[..., None]) -> None:
         """Let a function of the arrays (points, sums, nodal) change the points; it leaves sums and nodal 0."""
-        self._hold()
+        self.hold()
         with self._compiling(function.__name__):
             function(*self.arrays)
         self.stale = True
 
     def take_sums(self) -> None:
         """Have the sums over the points taken (see `PointSums`)."""
-        self._hold()
+        self.hold()
         with self._compiling("sums"):
             self._sums(*self.arrays)
 
-    def _hold(self) -> None:
+    def hold(self) -> None:
         """Have the state in the store."""
         if self.holds != self.particles.revision:
-            self._sort(0, 0.0, (0.0,) * 6)
-            self.load()
+            if self.strips.revision != self.particles.revision:
+                self._sort()
+            self._load(self.points, self.nodal)
+            self.holds = self.particles.revision
+
+    def _sort(self) -> None:
+        """Put the points in the order of their cells; the fields hold the state then."""
+        self.hand_back()
+        self.lend()
+        self.strips.sort()
 
     @contextlib.contextmanager
     def _compiling(self, name: str) -> Iterator[None]:
@@ -143,100 +136,13 @@ class Simd(Executor):
 
     def state(self) -> dict | None:
         """What outlives a launch beside the fields: the order of the points, and when they were sorted."""
-        return {"sorted": list(self.sorted), "order": present(self.layout.order), "strips": self.strips}
+        return self.strips.state()
 
     def restore(self, state: dict | None) -> None:
-        """Go on from fields that were loaded, and from a state; without one the points are sorted before the next step.
-
-        Raises
-        ------
-        ValueError
-            if the order names points that are not there.
-
-        """
-        self.sorted = self.fastest = (-1, 0.0)
+        """Go on from fields that were loaded, and from a state (`Strips.restore`)."""
+        self.fastest = (-1, 0.0)
         self.holds, self.stale = -1, False
-        if state:
-            if not ((state["order"] >= 0) & (state["order"] <= self.particles.count)).all():
-                raise ValueError("the order names points that are not there")
-            put(self.layout.order, state["order"])
-            if "strips" in state:  # otherwise it is of a version that cut the points elsewhere
-                self.sorted = tuple(state["sorted"])
-                self._cut(int(state["strips"]))
-
-    def load(self) -> None:
-        """Take the state over from the fields."""
-        self._load(self.points, self.nodal)
-        self.holds = self.particles.revision
-
-    def _sort(self, count: int, dt: float, schedule: tuple[float, ...]) -> None:
-        """Put the points in the order of their cells, unless they hardly moved since that was done."""
-        revision, moved = self.sorted
-        carried = max(abs(v) for v in schedule[2:4]) if min(schedule[2:4]) > OPENED else 0.0
-        moved += 2.0 * count * dt * carried / self.grid.cell_size
-        moved += count * 1e-4  # if something moves by itself faster than that, the order is not the best
-        if revision == self.particles.revision and moved < SORTED_FOR:
-            self.sorted = revision, moved
-            return
-        self.hand_back()
-        self.holds = -1
-        column, row = self._cells()
-        order = np.lexsort((column, row)).astype(np.int32)
-        del column
-        rows = row[order]
-        spare = self.layout.groups * LANES - len(order)
-        put(self.layout.order, np.pad(order, (0, spare), constant_values=self.particles.count))
-        self.sorted = self.particles.revision, 0.0
-        self._cut(next(count for count in (16, 8, 4, 2) if count == 2 or self._stand_apart(rows, count)))
-
-    def _cells(self) -> tuple[np.ndarray, np.ndarray]:
-        """Column and row of the cell of each point; all the same where a place is no number."""
-        place, found = self.particles.present("position"), []
-        if not np.isfinite(place).all():
-            return np.zeros(len(place), np.int32), np.zeros(len(place), np.int32)
-        heights = self.grid.cell_size, self.grid.first_cell_height * float(values(self.grid.stretch)[0])
-        offset = self.shape.half_size if self.shape.NODES == 3 else 0.0
-        for axis, size in enumerate(heights):
-            # a lattice may lie on the edge of cells: round-off must not tear its rows apart
-            cell = place[:, axis] * (1.0 / size)
-            cell -= offset
-            cell += 1e-9
-            found.append(np.floor(cell, out=cell).clip(-FAR, FAR).astype(np.int32))
-        return found[0], found[1]
-
-    def _bounds(self, count: int) -> np.ndarray:
-        """First group of each of so many strips, and the end of the last."""
-        groups = (self.particles.number + LANES - 1) // LANES
-        return np.arange(count + 1) * groups // count
-
-    def _stand_apart(self, rows: np.ndarray, count: int) -> bool:
-        """Whether strips with one between them are far enough apart, the points being in these rows of cells."""
-        ends = self._bounds(count) * LANES
-        if (np.diff(ends) == 0).any():
-            return False
-        first, last = rows[ends[:-1]], rows[np.minimum(ends[1:], len(rows)) - 1]
-        return bool((first[2:] - last[:-2] >= self.apart).all())
-
-    @ti.func
-    def _crowded(self):
-        """Whether strips with the same sums have come closer than a row of nodes and the gap."""
-        found = False
-        for one in range(STRIPS):
-            low, high = self.layout.reach[one, 0], self.layout.reach[one, 1]
-            for other in range(one + 1, STRIPS):
-                first, last = self.layout.reach[other, 0], self.layout.reach[other, 1]
-                both = self.layout.half[one] == self.layout.half[other] and low < high and first < last
-                found = found or (both and first <= high + self.gap)
-        return found
-
-    def _cut(self, count: int) -> None:
-        """Cut the points into so many strips, a power of 2; the others are empty."""
-        self.strips = count
-        bounds, every = self._bounds(count), STRIPS // count
-        slots = np.arange(STRIPS + 1)
-        put(self.layout.first, bounds[-(-slots // every)])
-        half = slots[:-1] // every % HALVES
-        put(self.layout.half, half)
+        self.strips.restore(state)
 
     @ti.kernel
     def _load(self, points: arrays_of_eight, nodal: arrays_of_eight):
@@ -288,7 +194,7 @@ class Simd(Executor):
                     x, y = store.read("velocity", g)
                     most = larger(ti.select(store.there(g), x * x + y * y, eight(0.0)), most)
                 found = greatest(most)
-            if self._crowded():
+            if self.strips.crowded():
                 found = -1e-300 - found
         return found
 

@@ -141,8 +141,8 @@ def test_strips_that_share_sums_share_no_nodes_and_are_cut_anew_before_they_woul
     body = column()
     simd = body.executor
     body.advance(3, 1e-5, gravity=(9.81, 9.81))
-    low, high = simd.layout.reach.to_numpy()[:: 16 // simd.strips, :2].T
-    assert simd.strips == 8
+    low, high = simd.layout.reach.to_numpy()[:: 16 // simd.strips.count, :2].T
+    assert simd.strips.count == 8
     assert not simd.layout.touched.to_numpy().any()  # rows that are read are empty again
     assert (low[2:] > high[:-2]).all()
     assert (low[1:] < high[:-1]).all()  # neighbours do share nodes
@@ -150,9 +150,9 @@ def test_strips_that_share_sums_share_no_nodes_and_are_cut_anew_before_they_woul
     place[:, 1] = np.where(place[:, 1] > 1.1, place[:, 1] - 0.45, place[:, 1])
     body.particles.position.from_numpy(place)
     body.advance(1, 1e-9)
-    assert simd.sorted[0] == -1
+    assert simd.strips.revision == -1
     body.advance(1, 1e-9)
-    assert simd.strips == 2
+    assert simd.strips.count == 2
 
 
 @pytest.mark.parametrize(
