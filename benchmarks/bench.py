@@ -33,13 +33,13 @@ SECONDS = 0.3  # of a measurement
 SLOWER = 1.10  # of the baseline's cost over the yardstick's: from there on a warning
 WHOLE_RUNS = (  # points, a cell, threads, displacement of the bottom [m]
     (4_000, 1, 1, 0.01), (4_000, 4, 1, 0.01), (4_000, 1, 2, 0.01), (16_000, 1, 1, 0.002), (16_000, 4, 1, 0.002),
-    (16_000, 1, 2, 0.002), (16_000, 4, 2, 0.002),
+    (16_000, 1, 2, 0.002), (16_000, 4, 2, 0.002), (64_000, 1, 2, 0.0005), (64_000, 4, 2, 0.0005),
 )  # fmt: skip
 BASELINE = Path(__file__).with_name("baseline.csv")
 FOLDER = Path("outputs") / "bench"
 COLUMNS = (
     "points", "points_per_cell", "threads", "precision", "phase",
-    "nanoseconds_per_particle_step", "particle_steps_per_second", "yardstick_ratio",
+    "nanoseconds_per_particle_step", "particle_steps_per_second", "yardstick_ratio", "ratio_with_as_many_a_cell",
 )  # fmt: skip
 KEY = ["points", "points_per_cell", "threads", "precision", "phase"]
 
@@ -91,12 +91,36 @@ def seconds_per_step(advance, seconds: float = SECONDS, rounds: int = ROUNDS) ->
     return statistics.median(times)
 
 
-def row(size: tuple, phase: str, seconds: float, theirs: float | None, precision: str = "f64") -> dict:
-    """A line of the table: seconds a step of so many (points, a cell, threads); `theirs` in particle-steps a second."""
+def row(
+    size: tuple, phase: str, seconds: float, ratio: float | None = None, alike: float | None = None,
+    precision: str = "f64",
+) -> dict:  # fmt: skip
+    """A line of the table: seconds a step of so many (points, a cell, threads).
+
+    `ratio` is of the yardstick's speed, `alike` of its speed with as many points a cell.
+    """
     rate = size[0] / seconds
     return dict(zip(COLUMNS, (
-        *size, precision, phase, round(1e9 / rate, 2), round(rate), round(rate / theirs, 3) if theirs else None,
+        *size, precision, phase, round(1e9 / rate, 2), round(rate), *(r and round(r, 3) for r in (ratio, alike)),
     ), strict=True))  # fmt: skip
+
+
+def rates(yardstick: Yardstick | None, size: tuple) -> tuple[float, float]:
+    """Of the yardstick [particle-steps a second]: with its 4 points a cell, and with as many as here; 0 without it."""
+    if yardstick is None:
+        return 0.0, 0.0
+    points, per_cell, threads = size
+    usual = yardstick.rate(threads, points)
+    return usual, usual if per_cell == 4 else yardstick.rate(threads, points, per_cell)
+
+
+def ratios(size: tuple, seconds: list[float], theirs: list[tuple[float, float]]) -> tuple[float | None, float | None]:
+    """Medians of what was measured in turns, as `row` takes them."""
+    usual, alike = (
+        statistics.median(size[0] / mine / rate if rate else 0.0 for mine, rate in zip(seconds, column, strict=True))
+        for column in zip(*theirs, strict=True)
+    )
+    return usual or None, alike or None
 
 
 def measure(
@@ -113,16 +137,14 @@ def measure(
     mine, theirs = [], []
     for _ in range(ROUNDS):  # in turns: the machine's speed drifts
         mine.append(seconds_per_step(step, rounds=1))
-        theirs.append(yardstick.rate(threads, size[0]) if yardstick else 0.0)
-    ratio = statistics.median(size[0] / m / t for m, t in zip(mine, theirs, strict=True)) if yardstick else None
-    seconds = statistics.median(mine)
-    rows = [row(size, "step", seconds, size[0] / seconds / ratio if ratio else None)]
+        theirs.append(rates(yardstick, size))
+    rows = [row(size, "step", statistics.median(mine), *ratios(size, mine, theirs))]
     if threads == 1 and phases:
         from benchmarks.phases import Phases
 
         for phase, kernel in Phases(simulation.solver).all().items():
             cost = seconds_per_step(lambda n, kernel=kernel: kernel(n, dt))
-            rows.append(row(size, phase, cost, statistics.median(theirs) if yardstick else None))
+            rows.append(row(size, phase, cost, *ratios(size, [cost] * ROUNDS, theirs)))
     return rows
 
 
@@ -132,17 +154,13 @@ def whole_run(
     """`mass_flow` with all that belongs to it (observers, output, film): wall time over points and steps."""
     what = scene(points, points_per_cell, threads)
     what = what.model_copy(update={"flow": Flow(speed_m_per_s=0.005, displacement_m=displacement_m)})
-    theirs = [yardstick.rate(threads, what.points)] if yardstick else []
+    size = what.points, points_per_cell, threads
+    theirs = [rates(yardstick, size)]
     with tempfile.TemporaryDirectory() as folder:
         summary = run(what, Path(folder) / "run", film=film, progress=False).summary["cost"]
-    theirs += [yardstick.rate(threads, what.points)] if yardstick else []  # the machine's speed drifts
-    phase = "whole run with film" if film else "whole run"
-    return row(
-        (what.points, points_per_cell, threads),
-        phase,
-        summary["wall_seconds"] / summary["steps"],
-        statistics.mean(theirs) if theirs else None,
-    )
+    theirs.append(rates(yardstick, size))  # the machine's speed drifts
+    seconds = summary["wall_seconds"] / summary["steps"]
+    return row(size, "whole run with film" if film else "whole run", seconds, *ratios(size, [seconds] * 2, theirs))
 
 
 def alarms(points: int) -> dict:
@@ -153,7 +171,7 @@ def alarms(points: int) -> dict:
         f"{simulation.scene.points:9,d} points: the guard takes {found['guard']:.2%} of a run's stepping, the sums "
         f"over the points that it and the choice of the step look at {found['point_sums']:.2%}", flush=True,
     )  # fmt: skip
-    return row((simulation.scene.points, 1, 1), "guard", found["guard"] * found["seconds"] / found["steps"], None)
+    return row((simulation.scene.points, 1, 1), "guard", found["guard"] * found["seconds"] / found["steps"])
 
 
 def averages(points: int) -> list[dict]:
@@ -174,8 +192,8 @@ def averages(points: int) -> list[dict]:
             means.build()
             of_step = seconds_per_step(Averages(means).steps)
             anew = seconds_per_step(lambda n, m=means: [m.build() for _ in range(n)], seconds=0.1, rounds=3)
-            rows += [row(size, f"average by {by}, l_c {ratio:.0f}", of_step, None)]
-            rows += [row(size, f"{by} anew, l_c {ratio:.0f}", anew, None)]
+            rows += [row(size, f"average by {by}, l_c {ratio:.0f}", of_step)]
+            rows += [row(size, f"{by} anew, l_c {ratio:.0f}", anew)]
     return rows
 
 
@@ -192,7 +210,7 @@ def sizes(threads: int) -> list[dict]:
         )
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         count, seconds, kilobytes = map(float, done.stdout.split()[-3:])
-        rows.append(row((int(count), 1, threads), "size", seconds, None))
+        rows.append(row((int(count), 1, threads), "size", seconds))
         memory = 1024 * kilobytes / count
         print(f"{int(count):9,d} points  {1e9 * seconds / count:6.1f} ns  {memory:7.0f} bytes a point", flush=True)
     return rows
@@ -217,7 +235,7 @@ def on_gpu(arch: str) -> list[dict]:
             simulation = loaded(points, per_cell, 1, arch=arch)
             dt = 0.5 * simulation.solver.point_sums().stable_step
             cost = seconds_per_step(lambda n, s=simulation, dt=dt: s.solver.advance(n, dt, gravity=(9.81, 9.81)))
-            rows.append(row((simulation.scene.points, per_cell, 0), "step", cost, None, runtime.PRECISION))
+            rows.append(row((simulation.scene.points, per_cell, 0), "step", cost, precision=runtime.PRECISION))
             say(rows[-1:])
     return rows
 
@@ -226,6 +244,8 @@ def say(rows: list[dict]) -> None:
     """Print lines of the table."""
     for line in rows:
         ratio = f"{line['yardstick_ratio']:.2f} of the yardstick" if line["yardstick_ratio"] else ""
+        if ratio and line["points_per_cell"] != 4:
+            ratio += f", {line['ratio_with_as_many_a_cell']:.2f} of it with as many a cell"
         print(
             f"{line['points']:9,d} points, {line['points_per_cell']} a cell, {line['threads']} thread(s)  "
             f"{line['phase']:22s} {line['nanoseconds_per_particle_step']:9.1f} ns  "

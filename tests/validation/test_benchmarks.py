@@ -51,8 +51,8 @@ def test_the_table_has_a_line_for_each_row_and_signs_its_percents():
 def table(ratio, other):
     """Two lines of a benchmark, at shares of a yardstick of 1e7 point-steps a second."""
     return pd.DataFrame([
-        bench.row((4000, 1, 1), "step", 4000 / (ratio * 1e7), 1e7),
-        bench.row((4000, 1, 1), "law", 4000 / (other * 1e7), 1e7),
+        bench.row((4000, 1, 1), "step", 4000 / (ratio * 1e7), ratio),
+        bench.row((4000, 1, 1), "law", 4000 / (other * 1e7), other),
     ], columns=bench.COLUMNS)  # fmt: skip
 
 
