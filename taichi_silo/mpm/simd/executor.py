@@ -71,9 +71,7 @@ class Simd(Executor):
         self.hold()
         given = *self.arrays, done, count, steps, dt, *schedule, self.loop.barrier.reserve(count * self.loop.waits)
         with self.own_cores.of_launch(), self._compiling("steps"):
-            self._steps(*given)
-        with self._compiling("look"):
-            squared = self._look(*self.arrays)
+            squared = self._steps(*given)
         self.fastest, self.stale = (self.particles.revision, math.sqrt(abs(squared))), True
         if squared < 0.0:
             self.strips.outdate()
@@ -183,22 +181,6 @@ class Simd(Executor):
                             ti.static(self.particles.fields[name])[p][c] = points[k + c][lane]
 
     @ti.kernel
-    def _look(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight) -> real:
-        """Square of the greatest speed of a point [m2/s2], less than 0 if strips are crowded."""
-        found = ti.cast(0.0, real)
-        ti.loop_config(serialize=True)
-        for _ in range(1):
-            for store in ti.static([Groups(self.layout, points, sums, nodal)]):
-                most = eight(0.0)
-                for g in range((self.particles.active[None] + LANES - 1) // LANES):
-                    x, y = store.read("velocity", g)
-                    most = larger(ti.select(store.there(g), x * x + y * y, eight(0.0)), most)
-                found = greatest(most)
-            if self.strips.crowded():
-                found = -1e-300 - found
-        return found
-
-    @ti.kernel
     def _sums(self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight):
         ti.loop_config(serialize=True)  # in a fixed order, so that runs repeat themselves
         for _ in range(1):
@@ -210,8 +192,25 @@ class Simd(Executor):
         self, points: arrays_of_eight, sums: arrays_of_eight, nodal: arrays_of_eight, done: ti.i32, count: ti.i32,
         steps: ti.i32, dt: real, g0: real, g1: real, v0: real, v1: real, drag: real, filling_drag: real,
         passed: ti.i32,
-    ):  # fmt: skip
-        ti.loop_config(block_dim=1, serialize=self.alone)
-        for t in range(self.loop.threads):
-            for store in ti.static([Groups(self.layout, points, sums, nodal)]):  # known while this is compiled
+    ) -> real:  # fmt: skip
+        """The steps; returns the square of the greatest speed then [m2/s2], less than 0 if strips are crowded."""
+        found = ti.cast(0.0, real)
+        for store in ti.static([Groups(self.layout, points, sums, nodal)]):  # known while this is compiled
+            ti.loop_config(block_dim=1, serialize=self.alone)
+            for t in range(self.loop.threads):
                 self.loop.steps(store, t, done, count, steps, dt, g0, g1, v0, v1, drag, filling_drag, passed)
+            ti.loop_config(serialize=True)
+            for _ in range(1):
+                found = self._most(store)
+                if self.strips.crowded():
+                    found = -1e-300 - found
+        return found
+
+    @ti.func
+    def _most(self, store: ti.template()):
+        """Square of the greatest speed of a point."""
+        most = eight(0.0)
+        for g in range((self.particles.active[None] + LANES - 1) // LANES):
+            x, y = store.read("velocity", g)
+            most = larger(ti.select(store.there(g), x * x + y * y, eight(0.0)), most)
+        return greatest(most)
