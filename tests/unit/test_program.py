@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from taichi_silo.cli import app, catalogue, command_line
+from taichi_silo.scene.fidelity import FIDELITIES
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
 
@@ -218,3 +219,7 @@ def test_a_command_that_returns_a_folder_ends_well(monkeypatch):
     with pytest.raises(SystemExit) as end:
         command_line.command(lambda: Path("outputs") / "run")
     assert end.value.code == 0
+
+
+def test_the_help_of_sweep_names_every_fidelity(said):
+    assert f"{' | '.join(FIDELITIES)}: cell size" in " ".join(said("sweep", "--help")[1].replace("│", " ").split())
