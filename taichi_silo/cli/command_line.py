@@ -23,7 +23,7 @@ LEFT = {  # by a run: what it names at its end
     "figures/wall_friction_angle.png": "arctan(T/N) against the bottom displacement",
     "figures/void_ratio.png": "shear zones", "figures/wall_stress.png": "wall stresses, beside theory",
     "figures/outflow.png": "what has left by each outlet, and its rate",
-    "figures/collapse.png": "front, height and shape of the column", "forces.csv": "force histories",
+    "figures/collapse.png": "surfaces of the column, and its run-out against time", "forces.csv": "force histories",
     "summary.json": "peaks, residuals, certificate", "snapshots/silo.pvd": "for ParaView",
 }  # fmt: skip
 USAGE_ERROR: Any = typer.BadParameter.__base__  # typer gives it no name of its own
