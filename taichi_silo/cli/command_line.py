@@ -18,6 +18,14 @@ from taichi_silo.utils.messages import counted
 from taichi_silo.utils.messages import sentence as in_one_line
 
 BAD_INPUT, FAILED, STOPPED = 2, 1, 130
+LEFT = {  # by a run: what it names at its end
+    "void_ratio.mp4": "film", "figures/forces.png": "P, T, N against the bottom displacement",
+    "figures/wall_friction_angle.png": "arctan(T/N) against the bottom displacement",
+    "figures/void_ratio.png": "shear zones", "figures/wall_stress.png": "wall stresses, beside theory",
+    "figures/outflow.png": "what has left by each outlet, and its rate",
+    "figures/collapse.png": "surfaces of the column, and its run-out against time", "forces.csv": "force histories",
+    "summary.json": "peaks, residuals, certificate", "snapshots/silo.pvd": "for ParaView",
+}  # fmt: skip
 USAGE_ERROR: Any = typer.BadParameter.__base__  # typer gives it no name of its own
 
 
@@ -184,14 +192,9 @@ def tell(folder: Path, console: Console | None = None) -> None:
 
     console = console or Console()
     console.say(f"\nThe run is in {folder}")
-    for name, what in (
-        ("void_ratio.mp4", "film"), ("figures/forces.png", "P, T, N against the bottom displacement"),
-        ("figures/void_ratio.png", "shear zones"),
-        ("figures/wall_stress.png", "wall stresses, beside theory"), ("forces.csv", "force histories"),
-        ("summary.json", "peaks, residuals, certificate"), ("snapshots/silo.pvd", "for ParaView"),
-    ):  # fmt: skip
-        if (folder / name).exists():
-            console.say(f"  {name:26s} {what}")
+    there = {name: what for name, what in LEFT.items() if (folder / name).exists()}
+    for name, what in there.items():
+        console.say(f"  {name:{max(map(len, there))}s}  {what}")
     run = Result(folder, tolerant=True)
     said = verdict(run)
     console.say(f"\n{said.title}. {said.words}", f"One page of it all: taichi-silo report {typed(folder)}")

@@ -10,6 +10,7 @@ from taichi_silo.scene import fill_shape
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.simulation import Simulation
 
+ALIKE = 1e-9  # difference of the walls' N over the weight that round-off makes
 UNSHEARED = 0.005  # net shear strain up to which shear explains no densification
 MEAN_SPAN_PERIODS = (
     3  # of the moving mean that noise is measured against: whole periods of the column, or its mode stays
@@ -39,16 +40,27 @@ def certificate(records: pd.DataFrame, filled: dict | None, final: dict, simulat
     if flow.empty or filled is None:
         return found
     if simulation.model.section.points_per_computed == 1:  # else they are equal because one is the other's image
-        difference = (flow.left_normal_N_per_m - flow.right_normal_N_per_m).abs()
-        found["left_right_difference_over_weight"] = float(difference.max() / weight)
-        if (difference > 1e-9 * weight).any():
-            onset = flow.displacement_m[difference > 1e-9 * weight]
-            found["left_right_difference_from_displacement_m"] = float(onset.iloc[0])
+        found |= _left_right(records, weight)
     if simulation.scene.flow.outflow == "controlled":
         work = weight * flow.displacement_m
         found["largest_kinetic_energy_over_work"] = float((flow.kinetic_energy_J_per_m / work).max())
         found |= _steady_measures(flow, simulation)
     return found | _state_measures(filled, final, simulation.scene) if len(final["mass"]) else found
+
+
+def _left_right(records: pd.DataFrame, weight: float) -> dict:
+    """Largest difference of the walls' N in flow over the weight, and from where on it stays above round-off.
+
+    The latter is absent where it has fallen below again, and 0 where it was there before the flow.
+    """
+    difference = (records.left_normal_N_per_m - records.right_normal_N_per_m).abs() / weight
+    flow = records.stage == "flow"
+    found = {"left_right_difference_over_weight": float(difference[flow].max())}
+    alike = np.flatnonzero(difference <= ALIKE)
+    first = alike[-1] + 1 if len(alike) else 0
+    if first < len(records):
+        found["left_right_difference_from_displacement_m"] = float(records.displacement_m.iloc[first])
+    return found
 
 
 def _steady_measures(flow: pd.DataFrame, simulation: Simulation) -> dict:

@@ -9,6 +9,7 @@ cells. The steps come out within 10 % on grids of 4 to 80 cells across, up to 25
 import contextlib
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from taichi_silo.errors import RunFailed
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.field_memory import put
 from taichi_silo.mpm.laws.stress_point import wave_speed
+from taichi_silo.mpm.patch_filter import TURN
 from taichi_silo.mpm.shapes import SHAPES
 from taichi_silo.scene import fill_shape, memory_need
 from taichi_silo.scene.scene import Scene
@@ -34,6 +36,7 @@ SHARPNESS = (0.85, 1.17)  # where that growth begins and ends
 RESOLVED = 1.38  # factor of the latter where several points share a cell
 REHEARSED_S = 0.4  # of stepping
 FIRST_INTERVALS, FEWEST_INTERVALS = 3, 5  # of a rehearsal: those that compile and build lists, and those measured
+TURNS = 5  # of the filter, that are measured
 REHEARSED_POINTS = 20e6  # times steps in an interval of a rehearsal, at most: some two seconds
 REHEARSED_SHARE = 0.03  # of a run's steps, at most, unless they are fewer than in those intervals
 HOUR_S = 3600.0
@@ -107,7 +110,10 @@ def steps(scene: Scene) -> int:
     if method.stress_update == "last" and (method.noise_control != "none" or scene.walls.kind != "smooth"):
         settling = min(SETTLING_PERIODS * period, longest)  # the wall force comes to rest
     found += round(settling / interval) * count(interval, loaded)
-    return found + round(outflow.duration(scene, period) / interval * count(interval, c * _sharpness(scene)))
+    wave = c * _sharpness(scene)
+    if scene.flow.free:  # shorter steps, as sand that lands is stiff at once
+        interval, wave = outflow.SHORT * interval, wave / outflow.LANDING
+    return found + round(outflow.duration(scene, period) / interval * count(interval, wave))
 
 
 def _sharpness(scene: Scene) -> float:
@@ -134,9 +140,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
     model.particles.load(_at_rest(model, model.fill()))
     speed = 0.0 if model.scene.flow.free else model.scene.flow.speed_m_per_s  # the gate stays shut
     rates: list[float] = []
-    machine = model.scene.machine
-    # of one thread its own time, which other programs on the machine do not lengthen
-    timer = time.process_time if machine.arch == "cpu" and machine.threads == 1 else time.perf_counter
+    timer = _timer(model.scene)
     end, begun, done = 0.0, 0, 0
     with contextlib.suppress(RunFailed):  # a run that cannot go on will say so itself
         while len(rates) < FEWEST_INTERVALS or (time.monotonic() < end and done < most):
@@ -194,5 +198,42 @@ def predict(simulation: Simulation) -> Cost:
     """The cost of a run, before it starts."""
     scene = simulation.scene
     number = steps(scene)
-    pace = rehearse(simulation, most=REHEARSED_SHARE * number)
-    return Cost(scene.points, number, number * pace * runtime.threads(), runtime.threads())
+    seconds = number * rehearse(simulation, most=REHEARSED_SHARE * number)
+    if (
+        scene.flow.free and simulation.solver.filter.BETWEEN_LAUNCHES
+    ):  # which turns by the way, and sand at rest has none
+        seconds += turns(scene) * seconds_of_a_turn(simulation)
+    return Cost(scene.points, number, seconds * runtime.threads(), runtime.threads())
+
+
+def turns(scene: Scene) -> float:
+    """How often the filter turns in free outflow: once a share of a cell that the fastest point goes.
+
+    That one falls from the arch over the outlet, half a width above it, or of a column from its top.
+    """
+    silo = scene.silo
+    height = silo.height_m if silo.column_m is not None else 0.5 * max(one.width for one in silo.openings)
+    speed = math.sqrt(2.0 * scene.method.gravity_m_per_s2 * height)
+    way = speed * outflow.duration(scene, period_of(scene))
+    return way / (TURN * scene.grid.cell_size_m)
+
+
+def seconds_of_a_turn(simulation: Simulation) -> float:
+    """Of the filter, on the points of the full silo; the simulation is left as it was."""
+    model, solver, timer = simulation.model, simulation.solver, _timer(simulation.scene)
+    model.particles.load(_at_rest(model, model.fill()))
+    solver.filter.begin()
+    taken = []
+    for _ in range(1 + TURNS):  # the first compiles
+        started = timer()
+        solver.filter.turn()
+        solver.point_sums()  # waits for the device
+        taken.append(timer() - started)
+    model.particles.load(model.fill())
+    return float(np.median(taken[1:]))
+
+
+def _timer(scene: Scene) -> Callable[[], float]:
+    """Of one thread its own time, which other programs on the machine do not lengthen."""
+    machine = scene.machine
+    return time.process_time if machine.arch == "cpu" and machine.threads == 1 else time.perf_counter

@@ -21,6 +21,15 @@ from taichi_silo.simulation.time_scales import noise_control, period_of
 
 TOUCHING = 3.75  # stretch along an axis at which points that keep their domain lose touch (stability map, ugimp)
 
+KEYS = {  # of a scene file, by the flags of scenarios that set the same
+    "--fidelity": "grid.cell_size_m, flow.speed_m_per_s", "--cell-size": "grid.cell_size_m",
+    "--longest": "flow.longest_s", "--displacement": "flow.displacement_m", "--speed": "flow.speed_m_per_s",
+    "--law": "sand.law", "--characteristic-length": "averaging.characteristic_length_m", "--half": "silo.half",
+    "--filter": "method.stress_filter", "--shape": "grid.shape", "--walls": "walls.kind",
+    "--noise-control": "method.noise_control", "--records-per-period": "output.records_per_period",
+    "--snapshots": "output.snapshots",
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Part:
@@ -31,7 +40,7 @@ class Part:
     part : what it is about.
     choice : "on", "off", or what was chosen.
     because : a sentence with the number behind it.
-    flag : what overrules it; empty if nothing does.
+    flag : of a scenario, that overrules it; empty if nothing does.
 
     """
 
@@ -39,6 +48,11 @@ class Part:
     choice: str
     because: str
     flag: str = ""
+
+    @property
+    def key(self) -> str:
+        """What overrules it in a scene file: keys with their tables; empty if nothing does."""
+        return ", ".join(KEYS[word] for word in self.flag.replace(",", "").split() if word in KEYS)
 
 
 def parts(scene: Scene) -> list[Part]:

@@ -11,6 +11,7 @@ import pandas as pd
 
 from taichi_silo.errors import BadInput
 from taichi_silo.runs import snapshot
+from taichi_silo.runs.inclined_walls import shown_forces
 from taichi_silo.runs.observers.outflow import columns_of
 from taichi_silo.runs.run_folder import CHECKPOINT, MADE, go_on
 from taichi_silo.scene import bands
@@ -304,10 +305,8 @@ class Result(os.PathLike):
 
     def _repr_html_(self) -> str:
         """In a notebook: the film, or else the force curves, and the numbers that matter."""
-        last = self.summary.get("residual", {})
-        names = {"P": "bottom_N_per_m", "T": "shear_N_per_m", "N": "normal_N_per_m"}
-        known = {p: last[n] / 1e3 for p, n in names.items() if last.get(n) is not None}
-        numbers = ", ".join(f"{p} = {value:.3f} kN/m" for p, value in known.items())
+        known = {} if self.residual is None else shown_forces(self.scene.silo, self.residual)
+        numbers = ", ".join(f"{name} = {force / 1e3:.3f} kN/m" for name, force in known.items())
         said = f"<p><code>{self.folder}</code> {'at the end: ' + numbers if numbers else 'has not ended'}</p>"
         if self.film is not None:
             data = base64.b64encode(self.film.read_bytes()).decode()

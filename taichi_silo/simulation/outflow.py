@@ -27,7 +27,7 @@ STEEPEST = 1.5  # largest slope of the start, over its mean
 PARTS = 1001  # of the start, in which its displacement is looked up
 OVER = 0.25  # of the outlet's width, to both sides of its middle: no sand that has flowed freely stays there
 FOLLOWS = 0.5  # of what a gate makes room for: where less has left, the sand bridges the outlet
-JAMMED = "The flow has jammed"  # begin of the sentence on it
+JAMMED, LAGS = "The flow has jammed", "The sand lags behind"  # begin of the sentences on it
 STUCK = 1.0 / 3.0  # of a gate's way: sand that has not moved on for so long has jammed,
 NOTHING = 0.1  # that is by less than so much of what the gate makes room for
 STILL = 0.002  # of the root of g H: mean speed below which a collapsed column rests,
@@ -144,7 +144,7 @@ def lags(model: Model, clock: Clock, left_kg_per_m: float, since_kg_per_m: float
     way = scene.flow.speed_m_per_s * (clock.time - clock.left_at)
     if way >= STUCK * sunk_m and since_kg_per_m < NOTHING * room * way:
         return f"{JAMMED}: {told}the rest bridges the outlet; {_advice(model)}.", True
-    return f"The sand lags behind: {told}{_advice(model)}.", False
+    return f"{LAGS}: {told}{_advice(model)}.", False
 
 
 def _bridged(model: Model) -> bool:

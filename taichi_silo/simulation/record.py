@@ -60,6 +60,16 @@ class Record:
         return 0.5 * (self.left_shear_N_per_m + self.right_shear_N_per_m)
 
     @property
+    def forces(self) -> dict[str, float]:
+        """P, T, N, and those of hopper walls and inserts by the names of their columns in `forces.csv` [N/m]."""
+        bodies = {
+            f"{body}_{axis}_N_per_m": part
+            for body, force in self.bodies_N_per_m.items()
+            for axis, part in zip(("horizontal", "vertical"), force, strict=True)
+        }
+        return {"P": self.bottom_force_N_per_m, "T": self.shear_N_per_m, "N": self.normal_N_per_m} | bodies
+
+    @property
     def wall_friction_angle_deg(self) -> float:
         """Arctan(T / N)."""
         return math.degrees(math.atan2(self.shear_N_per_m, self.normal_N_per_m))

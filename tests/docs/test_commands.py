@@ -3,6 +3,8 @@
 import re
 import shlex
 import sys
+import tomllib
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -14,6 +16,7 @@ from taichi_silo import api
 from taichi_silo.cli import app, catalogue, command_line
 from taichi_silo.cli.commands.run import scene_file
 from taichi_silo.runs.plugins import load_plugin
+from taichi_silo.scene import known_limits, likely_units
 from taichi_silo.scene.scene import Scene
 
 LINES = [
@@ -99,6 +102,12 @@ def test_the_silo_of_the_tutorial_is_possible(tmp_path, monkeypatch, capsys):
     possible, few, cost = capsys.readouterr().out.splitlines()
     assert "8 cells wide" in few and possible == "silo.toml is a possible scene: 3,466 points, 1327 N/m of sand"
     assert re.fullmatch(r"3,466 points, about [\d,]+ steps: some \d+:\d\d minutes of stepping", cost)
+
+
+def test_nothing_speaks_against_the_silo_of_the_readme():
+    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    scene = Scene.model_validate(tomllib.loads(re.search(r"```toml\n(.*?)```", text, re.DOTALL)[1]))
+    assert not [*known_limits.of_method(scene), *likely_units.of_scene(scene)]
 
 
 def test_the_tutorial_has_its_commands_in_an_order_that_works():

@@ -80,6 +80,28 @@ def test_ratios_are_taken_to_weight_work_and_rigid_motion():
     assert found["largest_time_step_over_stable"] == pytest.approx(0.5)
 
 
+@pytest.mark.parametrize(
+    ("above", "onset"),
+    [(slice(0, 3), None), (slice(10, None), 10), (slice(0, None), 0), (slice(2, 2), None)],
+    ids=["begins with a flicker", "grows", "from the first row", "never"],
+)
+def test_the_walls_differ_from_where_on_the_difference_stays(above, onset):
+    rows = history()
+    apart = np.zeros(len(rows))
+    apart[above] = 1e-7 * SCENE.weight_N_per_m
+    found = judge(rows.assign(left_normal_N_per_m=100.0 + apart, right_normal_N_per_m=100.0), state(1.0))
+    place = found.get("left_right_difference_from_displacement_m")
+    assert place == (None if onset is None else rows.displacement_m.iloc[onset])
+
+
+def test_a_difference_that_was_there_before_the_flow_begins_at_0():
+    rows = history()
+    filling = rows.assign(stage="filling", displacement_m=0.0)
+    both = pd.concat([filling, rows], ignore_index=True)
+    found = judge(both.assign(left_normal_N_per_m=101.0, right_normal_N_per_m=100.0), state(1.0))
+    assert found["left_right_difference_from_displacement_m"] == 0.0
+
+
 def test_inertial_number_is_rate_times_grain_size_over_the_speed_of_stress():
     found = judge(history(), state(1.0, path=0.02))
     exact = np.sqrt(2) * 0.02 * 0.5e-3 * np.sqrt(2650.0 / (8e3 / 3))

@@ -11,6 +11,7 @@ from taichi_silo.errors import BadInput
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import write_parameters
 from taichi_silo.scene.scene import Walls
+from taichi_silo.scene.silo import Silo
 from taichi_silo.show import beside_walls
 from taichi_silo.show.figures.forces import curve
 from taichi_silo.studies.compare.measured import read
@@ -374,3 +375,51 @@ def test_a_pressure_that_pulls_is_compared_and_named(runs, tmp_path, said):
     assert out.count("is their sign right?") == 2
     found = json.loads(said("compare", *runs, *flags, "--json")[1])
     assert len(found["remarks"]) == 2
+
+
+HOPPER = Silo.polygon([(0.04, 0), (0.16, 0), (0.2, 0.1), (0.2, 0.5), (0, 0.5), (0, 0.1)])
+PURE = Silo.polygon([(0.06, 0), (0.14, 0), (0.2, 0.5), (0, 0.5)])
+
+
+@pytest.mark.parametrize(
+    ("silo", "words"),
+    [
+        (HOPPER, "2 of 3 rows are compared, as the rest, at 50 mm, is outside 100 mm to 500 mm above the bottom, where "
+                 "its walls are vertical; stresses of inclined walls are in walls.csv"),
+        (PURE, "0 of 3 rows are compared, as none of its walls is vertical; stresses of inclined walls are in walls."),
+    ],
+)  # fmt: skip
+def test_what_of_the_measured_is_not_compared_is_said_with_the_reason(tmp_path, silo, words):
+    """Depths, a column of remarks, a row without a value, and one beside the hopper."""
+    run = leave(tmp_path / "run")
+    write_parameters(run, made_up.scene(silo=silo, walls=Walls(kind="smooth", friction_angle_deg=19.0)), {})
+    walls = pd.read_csv(run / "walls.csv")
+    walls[walls.height_m >= 0.0999].to_csv(run / "walls.csv", index=False)
+    text = "depth_mm,normal_stress_kPa,remark\n50,0.4,a\n100,0.6,b\n150,,c\n450,1.0,d\n"
+    found = compare(run, csv=table(tmp_path, text, "cells.csv"))
+    first, second = found.remarks
+    assert first == (
+        "cells.csv: column remark is passed over; 1 of 4 rows has no value of normal_stress_Pa; depths are taken below "
+        "the top of the fill, 500 mm above the bottom."
+    )
+    assert second.startswith(f"cells.csv beside run: {words}")
+
+
+def test_rows_beyond_the_flow_are_said(runs, tmp_path):
+    found = compare(runs[0], csv=table(tmp_path, "displacement_mm,P_N_per_m\n5,100\n20,100\n"))
+    assert found.remarks == [
+        "measured.csv beside smooth: 1 of 2 rows is compared, as the rest, at 20 mm, is outside 0 mm to 10 mm of its "
+        "flow."
+    ]
+
+
+def test_the_extreme_of_the_bottom_force_is_called_its_least(runs, tmp_path, said):
+    summary = json.loads((runs[0] / "summary.json").read_text())
+    peak = summary["peak"] | {"min_bottom_N_per_m": {"value": 50.0, "displacement_m": 0.001}}
+    folders = [leave(tmp_path / name) for name in ("one", "two")]
+    for folder in folders:
+        (folder / "summary.json").write_text(json.dumps(summary | {"peak": peak}))
+    out = said("compare", *folders, "--output", tmp_path / "out")[1]
+    assert "bottom force P, least in flow" in out
+    assert "bottom force P, peak" not in out
+    assert "wall normal N, peak" in out

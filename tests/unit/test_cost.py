@@ -6,6 +6,7 @@ import pytest
 from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.runs import cost_estimate
+from taichi_silo.scene.outlets import Outlet
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls
 from taichi_silo.scene.silo import Hopper, Silo
 from taichi_silo.simulation.simulation import Simulation
@@ -103,3 +104,45 @@ def test_a_finished_run_foretells_the_cost_of_its_like_also_of_half_a_silo(half,
     monkeypatch.setattr(Run, "finished", property(lambda run: run is done))
     monkeypatch.setattr(Run, "summary", property(lambda run: told if run is done else {}))
     assert costs({"done": done, "other": other}, ["other"])["other"].core_seconds == pytest.approx(12.0)
+
+
+def falling(longest_s: float) -> Scene:
+    silo = Silo(width_m=0.2, height_m=0.2, outlet=Outlet(width_m=0.1))
+    return coarse("smooth").model_copy(update={
+        "silo": silo, "grid": Mesh(cell_size_m=0.05, points_per_cell=4),
+        "flow": Flow(outflow="gravity", longest_s=longest_s),
+    })  # fmt: skip
+
+
+def test_free_outflow_takes_shorter_steps_than_sand_at_rest():
+    """They are less than what falls and lands takes, but more than half of it."""
+    simulation = started(falling(0.1))
+    for _record in simulation.fill():
+        pass
+    before = simulation.clock.steps
+    for _record in simulation.flow():
+        pass
+    told = (cost_estimate.steps(falling(1.1)) - cost_estimate.steps(falling(0.1))) / 10.0
+    assert 0.5 < told / (simulation.clock.steps - before) < 1.3
+
+
+def test_turns_of_the_filter_are_in_the_cost_of_free_outflow(monkeypatch):
+    """Which a rehearsal, of sand at rest, does not have: the fastest point makes one each 0.003 of a cell."""
+    simulation = started(falling(1.0))
+    monkeypatch.setattr(cost_estimate, "rehearse", lambda *given, **more: 0.0)
+    monkeypatch.setattr(cost_estimate, "seconds_of_a_turn", lambda simulation: 0.5)
+    expected = 0.5 * np.sqrt(2.0 * 9.81 * 0.05) / (0.003 * 0.05)
+    assert cost_estimate.predict(simulation).core_seconds == pytest.approx(expected)
+
+
+def test_telling_the_cost_of_free_outflow_leaves_the_run_as_it_would_have_been():
+    def forces(told: bool):
+        simulation = started(falling(0.05))
+        if told:
+            assert cost_estimate.predict(simulation).core_seconds > 0.0
+        found = [(r.time_s, r.bottom_N_per_m, r.normal_N_per_m, r.shear_N_per_m) for r in simulation.run()]
+        return np.array(found), simulation.points()
+
+    (plain, points), (after, points_after) = forces(False), forces(True)
+    assert (plain == after).all()
+    assert all((points[name] == points_after[name]).all() for name in points)

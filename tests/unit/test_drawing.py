@@ -126,6 +126,16 @@ def test_a_unit_has_a_name_on_the_command_line(drawn):
         read_silo(file, "furlong")
 
 
+def test_only_units_in_which_silos_are_drawn_are_offered(drawn):
+    file = drawn(BIN, units=0)
+    for unit in ("a", "l", "furlong", None):
+        with pytest.raises(BadInput) as refused:
+            read_silo(file, unit)
+        named = set(re.split(r"[ ,;?]+", str(refused.value)))
+        assert {"mm", "cm", "m", "in", "ft", "dm", "yd"} <= named
+        assert not {"au", "ly", "pc", "gm", "angstrom", "nm", "mi", "mil"} & named
+
+
 def test_a_drawing_without_a_unit_says_what_each_would_make_of_it(drawn):
     for version, code in (("R2010", 0), ("R12", 0)):
         with pytest.raises(BadInput, match=r"--unit mm, cm, m, in, ft .*mm: 0.2 m x 0.5 m"):

@@ -8,10 +8,13 @@ from typing import ClassVar
 
 import pytest
 
+from taichi_silo.cli.flags import OF_FIDELITY, paths_of_flags
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.walls import Coulomb
 from taichi_silo.runs.method_choices import parts
+from taichi_silo.scene.dotted_paths import known
+from taichi_silo.scene.outlets import Outlet
 from taichi_silo.scene.scene import Averaging, Flow, Mesh, Method, Output, Sand, Scene, Silo, Walls
 from taichi_silo.simulation.simulation import Simulation
 
@@ -46,6 +49,18 @@ def test_every_flag_that_overrules_is_one_of_the_command_line():
     for part in parts(Scene()):
         for flag in re.findall(r"--[a-z-]+", part.flag):
             assert flag in helped
+
+
+@pytest.mark.parametrize("flow", [Flow(), Flow(outflow="gravity"), Flow(outflow="collapse")], ids=lambda f: f.outflow)
+def test_what_overrules_in_a_scene_file_is_what_the_flag_of_a_scenario_sets(flow):
+    silo = Silo(column_m=(0.0, 0.1)) if flow.outflow == "collapse" else Silo(outlet=Outlet(width_m=0.1))
+    for part in parts(Scene(silo=silo, flow=flow)):
+        flags = [flag for flag in re.findall(r"--[a-z-]+", part.flag) if flag != "--no-film"]
+        if flags == ["--fidelity"]:
+            assert part.key == ", ".join(OF_FIDELITY)
+        else:
+            assert part.key == ", ".join(paths_of_flags()[flag] for flag in flags)
+        assert not [key for key in part.key.split(", ") if key and not known(key)]
 
 
 SMOOTH = Walls(kind="smooth", friction_angle_deg=19.0)

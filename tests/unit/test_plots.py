@@ -29,10 +29,12 @@ from taichi_silo.show.figures.void_ratio import (
     limits_of,
     run_void_ratio_figure,
 )
+from taichi_silo.show.figures.wall_stress import run_wall_stress_figure
 from taichi_silo.show.theory import janssen
 from tests import made_up
 from validation.case_figures import plot_cases
 
+SMOOTH = Walls(kind="smooth", friction_angle_deg=19.0)
 NAMES = ["forces.png", "wall_friction_angle.png", "void_ratio.png", "wall_stress.png"]
 
 
@@ -241,3 +243,32 @@ def test_numbers_on_a_logarithmic_axis_do_not_touch(ends, name):
 
 def _place(label, name):
     return label.get_position()[name == "yaxis"]
+
+
+BIN = [(0.04, 0), (0.16, 0), (0.2, 0.1), (0.2, 0.5), (0, 0.5), (0, 0.1)]
+
+
+@pytest.mark.parametrize(
+    ("corners", "lines", "words"),
+    [
+        (BIN, 2, "below 100 mm inclined walls over 50 mm of height"),
+        (BIN[:2] + [(0.2, 0.5), (0, 0.5)], 1, "bold: mean of both inclined walls over 50 mm of height"),
+    ],
+    ids=["hopper", "no vertical wall"],
+)  # fmt: skip
+def test_each_bold_line_of_a_hopper_is_told_of_by_the_title(tmp_path, corners, lines, words):
+    """One of the vertical and one of the inclined walls: each the mean of both."""
+    silo = Silo.polygon(corners)
+    run = Result(made_up.leave(tmp_path / "run", made_up.scene(silo=silo, walls=SMOOTH)))
+    rows = [
+        pd.DataFrame({"state": "filling", "wall": wall, "height_m": np.linspace(low, high, 11),
+                      "normal_stress_Pa": stress, "shear_stress_Pa": stress})
+        for wall, low, high, stress in (("left", 0.1, 0.5, 1e3), ("right", 0.1, 0.5, 3e3),
+                                        ("hopper_left", 0.0, 0.1, 4e3), ("hopper_right", 0.0, 0.1, 8e3))
+    ]  # fmt: skip
+    pd.concat(rows).to_csv(run / "walls.csv", index=False)
+    figure = run_wall_stress_figure(run)
+    bold = [line for line in figure.axes[0].get_lines() if line.get_linewidth() == 2.0]
+    assert [np.unique(line.get_xdata().round(9)).tolist() for line in bold] == [[2.0], [6.0]][-lines:]
+    assert [line.get_label() for line in bold][0] == "after filling"
+    assert words in " ".join(figure.get_suptitle().split())

@@ -8,8 +8,11 @@ from pathlib import Path
 import pytest
 
 from taichi_silo.cli import app, catalogue, command_line
+from taichi_silo.scene.fidelity import FIDELITIES
 from taichi_silo.scene.scene import Scene
 from taichi_silo.scene.scene_files import read_scene
+from taichi_silo.show.figures import RUN_FIGURES
+from tests import made_up
 
 TINY = (
     "[silo]\nwidth_m = 0.1\nheight_m = 0.2\n[grid]\ncell_size_m = 0.05\n[flow]\nspeed_m_per_s = 0.02\n"
@@ -218,3 +221,17 @@ def test_a_command_that_returns_a_folder_ends_well(monkeypatch):
     with pytest.raises(SystemExit) as end:
         command_line.command(lambda: Path("outputs") / "run")
     assert end.value.code == 0
+
+
+def test_the_help_of_sweep_names_every_fidelity(said):
+    assert f"{' | '.join(FIDELITIES)}: cell size" in " ".join(said("sweep", "--help")[1].replace("│", " ").split())
+
+
+def test_a_run_names_each_of_its_figures_at_its_end(tmp_path, capsys):
+    made_up.leave(tmp_path / "run")
+    for name in RUN_FIGURES:
+        (tmp_path / "run" / "figures").mkdir(exist_ok=True)
+        (tmp_path / "run" / "figures" / f"{name}.png").touch()
+    command_line.tell(tmp_path / "run")
+    told = capsys.readouterr().out
+    assert not [name for name in RUN_FIGURES if f"figures/{name}.png " not in told]

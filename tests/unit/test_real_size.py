@@ -9,6 +9,7 @@ import pytest
 
 from taichi_silo.analysis.theory.janssen import Janssen
 from taichi_silo.mpm.laws import Elastic, GudehusBauer, Intergranular
+from taichi_silo.runs.inclined_walls import inclined_walls
 from taichi_silo.runs.janssen_findings import janssen_findings
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import write_parameters
@@ -16,7 +17,6 @@ from taichi_silo.runs.theories import theory_of
 from taichi_silo.scene.sand import Sand
 from taichi_silo.scene.scene import Scene, Walls
 from taichi_silo.scene.silo import Silo
-from taichi_silo.show.inclined_walls import inclined_walls
 from taichi_silo.show.report.states import forces_of
 from taichi_silo.show.report.tables import force_table
 from taichi_silo.show.report.words import mm
@@ -122,8 +122,8 @@ def test_n_and_t_of_inclined_walls_are_their_force_across_and_along(tmp_path):
                "hopper_left_horizontal_N_per_m": -force[0], "hopper_left_vertical_N_per_m": force[1]}  # fmt: skip
     run = left(tmp_path / "run", scene, columns)
     for side in WALLS:
-        assert float(inclined_walls(run, run.filled)[side]["N"]) == pytest.approx(n)
-        assert inclined_walls(run, run.forces)[side]["T"].to_numpy() == pytest.approx(t)
+        assert float(inclined_walls(scene.silo, run.filled)[side]["N"]) == pytest.approx(n)
+        assert inclined_walls(scene.silo, run.forces)[side]["T"].to_numpy() == pytest.approx(t)
     rows = {row[0]: row[1:] for row in force_table(run).rows}
     assert rows["hopper left, N across it (kN/m)"] == ("0.0500", "–", "0.0500")
     assert rows["hopper right, T along it (kN/m)"] == ("0.0180", "–", "0.0180")

@@ -221,14 +221,16 @@ def changed_certificate(folder, **values):
     return verdict(Result(folder))
 
 
+CLEAN = {
+    "inertial_number_99th_percentile": 1e-6, "noise_of_normal_force": 1e-4, "mean_void_ratio_drift": -1e-5,
+    "largest_noise_control_force_over_weight": 1e-4, "core_strain_path": 1e-5, "settled_before_flow": True,
+    "left_right_difference_over_weight": 1e-9, "unexplained_densification": 1e-5,
+    "kinetic_energy_over_rigid_motion": [0.99, 1.01],
+}  # fmt: skip
+
+
 def test_the_verdict_follows_the_certificate(copy):
-    clean = {
-        "inertial_number_99th_percentile": 1e-6, "noise_of_normal_force": 1e-4, "mean_void_ratio_drift": -1e-5,
-        "largest_noise_control_force_over_weight": 1e-4, "core_strain_path": 1e-5, "settled_before_flow": True,
-        "left_right_difference_over_weight": 1e-9, "unexplained_densification": 1e-5,
-        "kinetic_energy_over_rigid_motion": [0.99, 1.01],
-    }  # fmt: skip
-    assert changed_certificate(copy, **clean).level == "good"
+    assert changed_certificate(copy, **CLEAN).level == "good"
     care = changed_certificate(copy, noise_of_normal_force=0.011)
     assert care.level == "care"
     assert "noise of N" in care.words
@@ -244,6 +246,20 @@ def test_that_the_flow_has_jammed_is_said_once(copy):
     said = verdict(Result(copy))
     assert said.title == "The flow has jammed"
     assert said.words.startswith("The gate has sunk by 20 mm; give it a wider outlet. ")
+
+
+def test_a_run_whose_sand_lags_behind_or_that_raised_an_alarm_is_not_called_clean(copy):
+    """Each number may be within its limit all the same."""
+    assert changed_certificate(copy, **CLEAN).level == "good"
+    lags = "The sand lags behind: the gate has sunk by 20 mm, and 16% of the sand that it made room for has left."
+    changed_summary(copy, warnings=[lags])
+    said = verdict(Result(copy))
+    assert (said.level, said.title) == ("care", "The sand lags behind")
+    assert "16% of the sand" in said.words
+    changed_summary(copy, warnings=[], alarms=[{"name": "inertia"}, {"name": "ratcheting"}])
+    said = verdict(Result(copy))
+    assert said.level == "care"
+    assert said.words.endswith("; alarms in run.log: inertia, ratcheting.")
 
 
 @pytest.mark.parametrize(

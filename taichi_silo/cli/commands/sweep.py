@@ -26,7 +26,8 @@ def sweep(
         list[Path] | None, typer.Option(help="without a file: scene (TOML) to vary; several are all run")
     ] = None,
     fidelity: Annotated[
-        str | None, typer.Option(help="draft | standard | converged: cell size and speed of all runs, unless they vary")
+        str | None,
+        typer.Option(help="draft | standard | fine | converged: cell size and speed of all runs, unless they vary"),
     ] = None,
     film: Annotated[bool | None, typer.Option(help="draw the films")] = None,
     jobs: JobsFlag = None,

@@ -8,6 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from taichi_silo.mpm import language, runtime
+from taichi_silo.runs.inclined_walls import none_vertical, of_which, shown_forces
 from taichi_silo.runs.observers import Observer
 from taichi_silo.utils.messages import counted
 
@@ -41,6 +42,8 @@ class Log(Observer):
             f"{platform.python_version()}, {platform.machine()}; {counted(scene.points, 'point')}, {runtime.device()}, "
             f"{counted(runtime.threads(), 'thread')}"
         )
+        if none_vertical(scene.silo):
+            self.say(of_which(scene.silo))
         self._tell()
 
     def restore(self, simulation, kept: dict) -> None:
@@ -66,9 +69,7 @@ class Log(Observer):
         part = record.time_s / self.total
         if part >= self.part + PART or (not self.spoke and time.monotonic() > self.begun + SOON_S):
             self.part, self.spoke = part, True
-            p, t, n = (
-                value / 1e3 for value in (record.bottom_force_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
-            )
+            p, t, n = (value / 1e3 for value in shown_forces(self.simulation.scene.silo, record.forces).values())
             self.say(
                 f"{record.stage}, {100 * min(part, 1.0):.0f} %: u = {1e3 * record.displacement_m:.3f} mm, "
                 f"P {p:.4g}, T {t:.4g}, N {n:.4g} kN/m, step {1e6 * record.time_step_s:.1f} us"

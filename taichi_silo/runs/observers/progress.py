@@ -10,6 +10,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 
 from taichi_silo.mpm import runtime
 from taichi_silo.runs.cost_estimate import clock, predict
+from taichi_silo.runs.inclined_walls import none_vertical, of_which, shown_forces
 from taichi_silo.runs.observers import Observer
 
 LINE_EVERY = 0.1  # of the run, where no terminal shows a moving line
@@ -63,6 +64,8 @@ class ProgressLine(Observer):
         self.printed, self.text, self.spoke = self.done, "", False
         self.forces: tuple[float, ...] | None = None
         self.bar: Progress | None = None
+        if none_vertical(simulation.scene.silo):
+            self._print(f"{of_which(simulation.scene.silo)}.", highlight=False, soft_wrap=True)
         self._warn()
 
     def _show_bar(self) -> None:
@@ -78,7 +81,7 @@ class ProgressLine(Observer):
     def observe(self, record) -> None:
         """Show the present state, and what has been noticed."""
         self._warn()
-        now = (record.bottom_force_N_per_m, record.shear_N_per_m, record.normal_N_per_m)
+        now = tuple(shown_forces(self.simulation.scene.silo, record.forces).values())
         before = self.forces or now
         self.forces = tuple(old + SMOOTHING * (new - old) for old, new in zip(before, now, strict=True))
         part = min(record.time_s / self.total, 1.0)

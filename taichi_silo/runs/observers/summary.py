@@ -107,7 +107,7 @@ class Summary(Observer):
         """Write the file."""
         simulation, seconds = self.simulation, time.monotonic() - self.started
         found = {"finished": self.failure is None, "averaging": simulation.model.about_averaging}
-        found["parts"] = [dataclasses.asdict(part) for part in parts(simulation.scene)]
+        found["parts"] = [dataclasses.asdict(part) | {"key": part.key} for part in parts(simulation.scene)]
         if simulation.warnings:
             found["warnings"] = simulation.warnings
         if simulation.alarms.found:

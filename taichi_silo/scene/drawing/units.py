@@ -14,6 +14,7 @@ EXACT = {  # of codes that the library rounds or leaves out [m]
 SURVEY = {21: "survey-ft", 22: "survey-in", 23: "survey-yd", 24: "survey-mi"}
 COMMON = ("mm", "cm", "m", "in", "ft")  # named first, where one must be given
 INCH = 1  # of $INSUNITS
+OFFERED_M = (1e-3, 1.0)  # from the smallest to the largest unit that is named where one is asked for
 WIDTHS_M = (0.01, 100.0)  # of silos that are built, models included
 HEIGHTS_M = (0.01, 200.0)
 
@@ -31,6 +32,12 @@ def units() -> dict[str, float]:
     return {name: found[name] for name in COMMON} | found
 
 
+def offered() -> list[str]:
+    """Names of the units in which silos are drawn, of all that a header can name."""
+    smallest, largest = OFFERED_M
+    return [name for name, metres in units().items() if smallest <= metres <= largest]
+
+
 def of_name(unit: str) -> str:
     """The unit of a name or word: "mm", "MM" and "millimeters" are the same.
 
@@ -44,9 +51,9 @@ def of_name(unit: str) -> str:
     word = _plain(unit.strip().lower())
     if word in words:
         return words[word]
-    meant = near(word, words)
+    meant = near(word, [one for one, name in words.items() if name in offered()])
     raise BadInput(
-        f"unit is {shown(unit)}; it must be one of {', '.join(units())}{f'; did you mean {meant}?' if meant else ''}"
+        f"unit is {shown(unit)}; it must be one of {', '.join(offered())}{f'; did you mean {meant}?' if meant else ''}"
     )
 
 
@@ -86,7 +93,7 @@ def of_drawing(header: Any, given: str | None, extent: tuple[float, float]) -> t
         sizes = "; ".join(f"{name}: {metres[name] * wide:.3g} m x {metres[name] * high:.3g} m" for name in COMMON)
         raise BadInput(
             f"unit is not given and the drawing says none; give --unit {', '.join(COMMON)} (its lines span {sizes}), "
-            f"or another one: {', '.join(list(units())[len(COMMON) :])}"
+            f"or another one: {', '.join(offered()[len(COMMON) :])}"
         )
     return found, "as the drawing says"
 

@@ -5,6 +5,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from taichi_silo.runs.inclined_walls import of_which, shown_forces
 from taichi_silo.runs.result import Result
 from taichi_silo.show import theory
 from taichi_silo.show.figures.style import (
@@ -17,7 +18,6 @@ from taichi_silo.show.figures.style import (
     put_title,
     start_at_zero,
 )
-from taichi_silo.show.inclined_walls import inclined_walls
 from taichi_silo.show.report.words import kN, length_unit
 from taichi_silo.show.titles import title
 
@@ -42,7 +42,14 @@ def run_forces_figure(run: Result) -> Figure | None:
     figure = new_figure(11.0, 4.6)
     panels = dict(zip(FORCES, figure.subplots(1, 3), strict=True))
     for (name, panel), color in zip(panels.items(), (BLUE, VERMILLION, GREEN), strict=True):
-        draw_curve(panel, run, lambda rows, name=name: _force(run, rows, name) / 1e3, color, "median", "every row")
+        draw_curve(
+            panel,
+            run,
+            lambda rows, name=name: shown_forces(run.scene.silo, rows)[name] / 1e3,
+            color,
+            "median",
+            "every row",
+        )
         if name != "P" and theory.straight_m(run):
             _each_wall(panel, run, name, color)
         if run.scene.walls.kind != "very-rough":
@@ -50,7 +57,7 @@ def run_forces_figure(run: Result) -> Figure | None:
         panel.set_ylabel(FORCES[name])
         x_axis(panel, [run])
         start_at_zero([panel], "y")
-    origin = "T, N: mean of both walls" if theory.straight_m(run) else "T, N: mean of the inclined walls"
+    origin = of_which(run.scene.silo)
     if run.filled is not None:
         origin += f"; weight W = {kN(run.filled['weight_N_per_m'])} kN/m"
     put_title(
@@ -58,13 +65,6 @@ def run_forces_figure(run: Result) -> Figure | None:
     )
     _legend_below(figure, max(panels.values(), key=lambda panel: len(panel.get_lines())), columns=6)
     return figure
-
-
-def _force(run: Result, rows, name: str):
-    """P, T or N of rows [N/m]; where no walls are vertical T and N of the inclined ones, if they are straight."""
-    if name != "P" and not theory.straight_m(run) and (walls := inclined_walls(run, rows)):
-        return sum(forces[name] for forces in walls.values()) / len(walls)
-    return rows[name]
 
 
 def run_angle_figure(run: Result) -> Figure | None:

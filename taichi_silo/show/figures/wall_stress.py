@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from taichi_silo.analysis.measure.wall_pressure import cell_mean
+from taichi_silo.runs.inclined_walls import none_vertical
 from taichi_silo.runs.result import Result
 from taichi_silo.show import theory
 from taichi_silo.show.figures.style import (
@@ -49,10 +50,18 @@ def run_wall_stress_figure(run: Result) -> Figure | None:
 
 def legend(run: Result) -> str:
     """What the lines of a run's figure are."""
-    cell = mm(reading_of(run).cell_m)
+    reading, silo = reading_of(run), run.scene.silo
+    whose = "" if run.lopsided else "mean of both walls, "
+    inclined = f"inclined walls over {mm(reading.hopper_cell_m)} of height"
+    cells = [f"as a pressure cell of {mm(reading.cell_m)} reads"]
+    if none_vertical(silo):
+        whose, cells = whose.replace("walls, ", ""), [inclined]
+    elif any(silo.feet_m):
+        cells.append(f"below {mm(silo.transition_m)} {inclined}")
     if run.lopsided:
-        return f"bold: as a pressure cell of {cell} reads; walls not alike: left solid, right dashed"
-    return f"bold: mean of both walls, as a pressure cell of {cell} reads; light: each wall, node by node"
+        return f"bold: {whose}{', '.join(cells)}; walls not alike: left solid, right dashed"
+    light = "" if none_vertical(silo) else "; light: each vertical wall, node by node"
+    return f"bold: {whose}{', '.join(cells)}{light}"
 
 
 def fit_bold(panels):
@@ -75,22 +84,30 @@ def draw_stress(panel, run: Result, quantity: str, name_origin: bool = True, per
     per_m = length_unit(run.scene.silo.height_m)[1] if per_m is None else per_m
     reading = reading_of(run)
     lines = ("-", (0, (2, 1)) if run.lopsided else "-")
+    vertical = () if none_vertical(run.scene.silo) else ("left", "right")  # which stand above the sand
+    inclined = ("hopper_left", "hopper_right")
     for state, (color, width, label) in STATES.items():
-        profiles = [run.profile(state, wall, quantity) for wall in ("left", "right")]
-        profiles = [profile for profile in profiles if len(profile[0])]
-        for height, stress in profiles:
+        for height, stress in _profiles(run, state, quantity, vertical):
             panel.plot(stress / 1e3, per_m * height, color=color, alpha=0.35, linewidth=0.9)
-        if profiles and not run.lopsided:
-            height = profiles[0][0]
-            profiles = [(height, np.mean([np.interp(height, *profile) for profile in profiles], axis=0))]
-        hopper = [run.profile(state, wall, quantity) for wall in ("hopper_left", "hopper_right")]
-        for walls, cell_m, first in ((profiles, reading.cell_m, label), (hopper, reading.hopper_cell_m, None)):
-            for (height, stress), line, name in zip(walls, lines, (first, None), strict=False):
+        named: str | None = label
+        for walls, cell_m in ((vertical, reading.cell_m), (inclined, reading.hopper_cell_m)):
+            profiles = _profiles(run, state, quantity, walls)
+            if profiles and not run.lopsided:
+                height = profiles[0][0]
+                profiles = [(height, np.mean([np.interp(height, *profile) for profile in profiles], axis=0))]
+            for (height, stress), line in zip(profiles, lines, strict=False):
                 read = cell_mean(height, stress, cell_m) / 1e3
-                panel.plot(read, per_m * height, color=color, linewidth=width, linestyle=line, label=name, zorder=3)
+                panel.plot(read, per_m * height, color=color, linewidth=width, linestyle=line, label=named, zorder=3)
+                named = None
     _draw_janssen(panel, run, quantity, name_origin, per_m)
     _draw_code(panel, run, quantity, per_m)
     panel.set_ylim(top=1.05 * per_m * run.scene.silo.height_m)  # nodes above the sand carry nothing
+
+
+def _profiles(run: Result, state: str, quantity: str, walls: tuple[str, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Heights [m] and stresses [Pa] of those of some walls that have any."""
+    profiles = [run.profile(state, wall, quantity) for wall in walls]
+    return [profile for profile in profiles if len(profile[0])]
 
 
 def _draw_janssen(panel, run: Result, quantity: str, name_origin: bool, per_m: float):

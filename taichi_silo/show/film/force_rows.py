@@ -3,12 +3,12 @@
 import numpy as np
 import pandas as pd
 
+from taichi_silo.runs.inclined_walls import none_vertical, of_which, shown_forces
 from taichi_silo.runs.result import Result
 
 PERIODS, SHARE = 2, 0.05  # of the column, and of the rows of the flow, over which the median goes at least
 ENDS = (0.05, 0.95)  # quantiles at which the band ends
 NOISY = 0.03  # width of the band, as a share of the weight, from which on the median is shown
-NAMES = ["P", "T", "N"]
 NOTE = "lines: running median; bands: 5 to 95 %"
 
 
@@ -27,9 +27,11 @@ class ForceRows:
     def __init__(self, history: Result):
         table = history.forces
         self.rows = table.to_dict("records")
-        self.times, self.forces = table["time_s"].to_numpy(float), table[NAMES].to_numpy(float)
+        silo = history.scene.silo
+        self.times = table["time_s"].to_numpy(float)
+        self.forces = np.stack([force.to_numpy(float) for force in shown_forces(silo, table).values()], axis=1)
         self.spread: np.ndarray | None = None
-        self.note = ""
+        self.note = of_which(silo) if none_vertical(silo) else ""
         flow = np.flatnonzero(table["stage"] == "flow")
         if not len(flow):
             return
@@ -38,7 +40,8 @@ class ForceRows:
         weight = history.scene.weight_N_per_m
         if np.nanmedian((spread[..., 1] - spread[..., 0]).max(axis=1)) <= NOISY * weight:
             return
-        self.spread, self.note = np.repeat(self.forces[..., None], 2, axis=2), NOTE
+        self.spread = np.repeat(self.forces[..., None], 2, axis=2)
+        self.note = f"{self.note}; {NOTE}".removeprefix("; ")
         self.forces[flow], self.spread[flow] = median, spread
 
     @property

@@ -7,10 +7,10 @@ import numpy as np
 from taichi_silo.analysis.measure.wall_pressure import cell_mean
 from taichi_silo.analysis.theory.walker import WalkerHopper
 from taichi_silo.runs.eurocode import whose_numbers
+from taichi_silo.runs.inclined_walls import inclined_walls
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.theories import hopper_of, janssen_of
 from taichi_silo.show.beside_walls import beyond_janssen
-from taichi_silo.show.inclined_walls import inclined_walls
 from taichi_silo.show.report.states import FORCES, STATES, Force, forces_of, reading_of, wall_profile
 from taichi_silo.show.report.words import NONE, height_words, kN, kPa, length_unit, mm, number, per_cent
 from taichi_silo.show.theory import eurocode, janssen, pressure_ratios, straight_m
@@ -86,7 +86,7 @@ def _above_foot(theory: dict, origins: list[str]) -> list[tuple[str, ...]]:
 
 def _inclined(run: Result, gap: int) -> list[tuple[str, ...]]:
     """N and T after filling and at the end of the straight inclined walls."""
-    states = [{} if rows is None else inclined_walls(run, rows) for rows in (run.filled, run.residual)]
+    states = [{} if rows is None else inclined_walls(run.scene.silo, rows) for rows in (run.filled, run.residual)]
     sides = [side for side in ("left", "right") if any(side in state for state in states)]
     rows = []
     for side in sides:

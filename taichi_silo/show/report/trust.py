@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from taichi_silo.runs.alarms.of_records import LONGEST_FALLING, LONGEST_STEP
 from taichi_silo.runs.result import Result
 from taichi_silo.show.report.words import number, plain, sentence
-from taichi_silo.simulation.outflow import JAMMED
+from taichi_silo.simulation.outflow import JAMMED, LAGS
 
 RIGID = {"smooth": (0.9, 1.1), "very-rough": (0.0, 5.0)}
 DRIFT = "mean_void_ratio_drift"  # the one number whose sign says nothing
@@ -107,15 +107,19 @@ def verdict(run: Result) -> Verdict:
         words = f"Outside of its limit: {', '.join(broken)}. A run in which this does not hold is wrong."
         return Verdict("bad", "Not to be trusted", words, checks)
     count = f"{len(judged) - len(wrong)} of {len(judged)} numbers are within their limits"
-    if (run.summary.get("ledger") or {}).get("outflow_ended") == "jam":
-        jams = (words for words in run.summary.get("warnings", []) if words.startswith(JAMMED))
-        jam = next(jams, "").removeprefix(JAMMED).strip(": .")
-        return Verdict("care", JAMMED, " ".join(sentence(words) for words in (jam, count) if words), checks)
-    if wrong:
+    told = run.summary.get("warnings", [])
+    for title in (JAMMED, LAGS):
+        if said := [words for words in told if words.startswith(title)]:
+            why = said[0].removeprefix(title).strip(": .")
+            return Verdict("care", title, " ".join(sentence(words) for words in (why, count) if words), checks)
+    alarms = [alarm["name"] for alarm in run.summary.get("alarms", [])]
+    if wrong or alarms:
         title = "To be read with care"
         remedies = REMEDIES | (FOUR if run.scene.silo.cuts_cells and run.scene.grid.points_per_cell == 1 else {})
-        told = [f"{name} ({remedies[name]})" if name in remedies else name for name in wrong]
-        return Verdict("care", title, sentence(f"{count}; outside: {', '.join(told)}"), checks)
+        outside = [f"{name} ({remedies[name]})" if name in remedies else name for name in wrong]
+        found = [count, *([f"outside: {', '.join(outside)}"] if wrong else [])]
+        found += [f"alarms in run.log: {', '.join(alarms)}"] if alarms else []
+        return Verdict("care", title, sentence("; ".join(found)), checks)
     if not judged:
         return Verdict("bad", "No certificate", "The summary holds none of its numbers.", checks)
     if run.free:

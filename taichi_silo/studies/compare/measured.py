@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from taichi_silo.errors import BadInput
+from taichi_silo.show.report.words import mm
 from taichi_silo.studies.measured_tables import LENGTH, STRESS, MeasuredTable, Units, factor_of, read_table
 from taichi_silo.utils.messages import counted, near, shown
 
@@ -49,6 +50,7 @@ class Measured:
     name: str  # of the file
     kind: str  # "curves" or "profile"
     table: pd.DataFrame
+    notes: tuple[str, ...] = ()  # what was passed over, and how places are meant
 
     @property
     def place(self) -> str:
@@ -63,15 +65,15 @@ class Measured:
 
     @property
     def remarks(self) -> list[str]:
-        """A sentence for each quantity that presses and has values that pull: they are compared as they are."""
-        found = []
+        """What is worth a word: what was passed over, and values of what presses that pull, compared as they are."""
+        found = [f"{self.name}: {'; '.join(self.notes)}."] if self.notes else []
         for name in filter(self.quantities.__contains__, PRESSING):
             known = self.table[name].dropna()
             pulls = known[known < 0.0]
             if len(pulls):
                 found.append(
                     f"{self.name}: {len(pulls)} of {counted(len(known), 'value')} of {PRESSING[name]} "
-                    f"{'is' if len(pulls) == 1 else 'are'} negative, the lowest {pulls.min():.4g}; pressures are "
+                    f"{are(len(pulls))} negative, the lowest {pulls.min():.4g}; pressures are "
                     "positive here, and these are compared as they are; is their sign right?"
                 )
         return found
@@ -81,7 +83,9 @@ class Measured:
         if "depth_m" not in self.table:
             return self
         table = self.table.rename(columns={"depth_m": "height_m"}).sort_values("height_m", ascending=False)
-        return replace(self, table=table.assign(height_m=surface_m - table["height_m"]).reset_index(drop=True))
+        table = table.assign(height_m=surface_m - table["height_m"]).reset_index(drop=True)
+        level = f"depths are taken below the top of the fill, {mm(surface_m)} above the bottom"
+        return replace(self, table=table, notes=(*self.notes, level))
 
 
 def read(file: Path) -> Measured:
@@ -98,7 +102,9 @@ def read(file: Path) -> Measured:
                 table[name].append(_word(name, cell, found.line(number, column, cell)))
             elif name:
                 table[name].append((factor or 0.0) * found.number(number, column, cell))
-    return _ordered(found.file, kind, pd.DataFrame(table))
+    left_out = [f"column {head} is passed over" for head, (name, _) in zip(found.heads, columns, strict=True)
+                if head and not name]  # fmt: skip
+    return _ordered(found.file, kind, pd.DataFrame(table), left_out)
 
 
 def _columns(found: MeasuredTable) -> tuple[str, list[tuple[str, float | None]]]:
@@ -141,6 +147,11 @@ def _column(file: Path, title: str, name: str, unit: str) -> tuple[str, str, flo
     raise BadInput(f"{file} has the unknown column {unknown}; it must have {right_columns()}")
 
 
+def are(number: int) -> str:
+    """The verb of so many."""
+    return "is" if number == 1 else "are"
+
+
 def right_columns() -> str:
     """Which columns are right, in words."""
     forces = [name for name, (_, units) in CURVES.items() if units is FORCE]
@@ -157,7 +168,7 @@ def _word(name: str, cell: str, where: str) -> str:
     return known[cell.casefold()]
 
 
-def _ordered(file: Path, kind: str, table: pd.DataFrame) -> Measured:
+def _ordered(file: Path, kind: str, table: pd.DataFrame, notes: list[str]) -> Measured:
     """The measurements sorted by place; several values at one place are replaced by their mean."""
     for name, usual in (("state", ""), ("wall", "both")) if kind == "profile" else ():
         if name not in table:
@@ -167,5 +178,11 @@ def _ordered(file: Path, kind: str, table: pd.DataFrame) -> Measured:
         raise BadInput(f"{file} has an empty {found.place}; it must be a number in every row")
     if table[found.quantities].isna().all(axis=None):
         raise BadInput(f"{file} has no values of {', '.join(found.quantities)}; it must have at least one")
+    for name in found.quantities:
+        if empty := int(table[name].isna().sum()):
+            notes = [
+                *notes,
+                f"{empty} of {counted(len(table), 'row')} {'has' if empty == 1 else 'have'} no value of {name}",
+            ]
     groups = [found.place, "state", "wall"] if kind == "profile" else [found.place]
-    return Measured(file.name, kind, table.groupby(groups, as_index=False, sort=True).mean())
+    return Measured(file.name, kind, table.groupby(groups, as_index=False, sort=True).mean(), tuple(notes))

@@ -5,6 +5,7 @@ from rich import box
 from rich.table import Table
 
 from taichi_silo.show.report.words import NONE, kN, number, plain
+from taichi_silo.studies.compare.tables import NAMES
 
 SCALES = {"N/m": (1e-3, "kN/m"), "Pa": (1e-3, "kPa"), "m": (1e3, "mm"), "deg": (1.0, "°"), "-": (1.0, "")}
 PLACES = {"displacement_m": (1e3, "mm"), "height_m": (1e3, "mm"), "time_s": (1.0, "s")}
@@ -31,6 +32,7 @@ def differences(rows: pd.DataFrame) -> Table:
         if one["value"].isna().all():
             continue
         scale, unit = SCALES.get(one["unit"].iloc[0], (1.0, one["unit"].iloc[0]))
+        state = "least in flow" if state == "peak" and quantity.startswith(NAMES["P"]) else state
         bare = quantity.endswith("displacement")  # a share of where a peak stands says nothing
         shares = [None if bare or row.run == labels[0] else row.difference_percent for row in one.itertuples()]
         cells = [_cell(value, scale, share) for value, share in zip(one["value"], shares, strict=True)]

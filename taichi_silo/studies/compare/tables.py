@@ -17,8 +17,10 @@ from taichi_silo.show.report.states import (
     reading_of,
     wall_profile,
 )
+from taichi_silo.show.report.words import mm, plain
 from taichi_silo.show.theory import filled_beside_janssen
-from taichi_silo.studies.compare.measured import Measured
+from taichi_silo.studies.compare.measured import Measured, are
+from taichi_silo.utils.messages import counted
 
 COLUMNS = ("quantity", "state", "unit", "run", "value", "first_value", "difference", "difference_percent")
 PROFILE = "wall normal stress, rms difference"
@@ -136,7 +138,54 @@ def _of_file(run: Result, measured: Measured):
         for name in measured.quantities:
             known = rows[["height_m", name]].dropna().to_numpy(float).T
             for one in (state,) if state else STATES:
-                yield _row(run, measured, name, (one, wall), known, wall_profile(run, one, name, wall))
+                yield _row(run, measured, name, (one, wall), known, _profile(run, one, name, wall))
+
+
+def _profile(run: Result, state: str, name: str, wall: str) -> tuple[np.ndarray, np.ndarray]:
+    """Heights and stresses of vertical walls beside sand; empty if there are none."""
+    return wall_profile(run, state, name, wall) if run.scene.silo.straight_m else (np.zeros(0), np.zeros(0))
+
+
+def unused(run: Result, measured: Measured) -> list[str]:
+    """Sentences on measured rows that are not set beside a run: which, and why."""
+    profile, found = measured.kind == "profile", []
+    for wall, rows in measured.table.groupby("wall") if profile else [("", measured.table)]:
+        place = rows[measured.place][rows[measured.quantities].notna().any(axis=1)].to_numpy(float)
+        x = _places(run, measured, str(wall))
+        common = _common(place, x)
+        if common.all():
+            continue
+        of_wall = f" of the {wall} wall" if wall in ("left", "right") else ""
+        many = f"{common.sum()} of {counted(len(place), 'row')}{of_wall} {are(common.sum())} compared"
+        if not len(x):
+            why = "none of its walls is vertical" if profile and not run.scene.silo.straight_m else "it has none yet"
+        else:
+            where = "above the bottom, where its walls are vertical" if profile else "of its flow"
+            rest = f"the rest, at {_span(measured.place, place[~common])}, is outside"
+            why = f"{rest} {_span(measured.place, x)} {where}"
+        if profile and any(run.scene.silo.feet_m):
+            why += "; stresses of inclined walls are in walls.csv, and are not compared"
+        found.append(f"{measured.name} beside {run.label}: {many}, as {why}.")
+    return found
+
+
+def _places(run: Result, measured: Measured, wall: str) -> np.ndarray:
+    """Where a run has what was measured."""
+    name = measured.quantities[0]
+    if measured.kind == "curves":
+        return curve(run, name, measured.place)[0]
+    return max((_profile(run, state, name, wall)[0] for state in STATES), key=len)
+
+
+def _common(place: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Which places (n,) lie in the range of the places x of a run."""
+    return (place >= x[0]) & (place <= x[-1]) if len(x) else np.zeros(len(place), bool)
+
+
+def _span(name: str, place: np.ndarray) -> str:
+    """From the lowest to the highest of places, in words."""
+    words = [f"{plain(end)} s" if name == "time_s" else mm(end) for end in (float(place.min()), float(place.max()))]
+    return " to ".join(dict.fromkeys(words))
 
 
 def _row(run: Result, measured: Measured, name: str, where: tuple[str, str], known, found) -> tuple:
@@ -145,7 +194,7 @@ def _row(run: Result, measured: Measured, name: str, where: tuple[str, str], kno
     place, value = known
     peak = float(np.abs(value).max()) if len(value) else None
     x, y = found
-    common = (place >= x[0]) & (place <= x[-1]) if len(x) else np.zeros(len(place), bool)
+    common = _common(place, x)
     if not common.any():
         return (*head, 0, measured.place, None, None, None, None, None, peak, None, None)
     place, deviation = place[common], np.interp(place[common], x, y) - value[common]

@@ -100,7 +100,11 @@ def compare(
         found = tables.differences(results)
         theory = tables.janssen(results) if janssen else None
         away = tables.deviations(results, measured) if measured else None
-    remarks = [remark for one in measured for remark in one.remarks]
+    remarks = [
+        remark
+        for one in measured
+        for remark in (*one.remarks, *(words for run in results for words in tables.unused(run, one)))
+    ]
     if janssen:
         remarks += [f"{run.label}: {words}" for run in results if (words := beside_walls.beyond_janssen(run))]
     comparison = Comparison(results, found, theory, away, [], remarks)
