@@ -55,7 +55,7 @@ def _speed_up(name: str) -> None:
     deciding, reading, wrapping = (importlib.import_module(f"{name}.lang.{module}") for module in MODULES[name])
     deciding._inside_class = inside_class
     reading.getsourcelines, reading.getsourcefile = remember(reading.getsourcelines), remember(reading.getsourcefile)
-    wrapping.textwrap = SimpleNamespace(fill=remember(textwrap.fill), dedent=textwrap.dedent)
+    wrapping.textwrap = SimpleNamespace(fill=remember(textwrap.fill), dedent=remember(textwrap.dedent))
     if name == "taichi":  # the fork remembers positions and finds kernels itself
         deciding.data_oriented = importlib.import_module("taichi").data_oriented = functools.partial(
             data_oriented, deciding._BoundedDifferentiableMethod, deciding.data_oriented

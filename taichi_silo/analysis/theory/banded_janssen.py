@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import exprel
 
+from taichi_silo.analysis.root import root
 from taichi_silo.analysis.theory.janssen import PERIMETER, Janssen, _mean_growth
 
 
@@ -104,7 +105,6 @@ class BandedJanssen(Janssen):
 
         Raises ValueError if none between 1e-6 and 100 does.
         """
-        from scipy.optimize import brentq  # it takes a fifth of a second
 
         def beyond(ratio: float) -> float:
             return replace(self, pressure_ratio=ratio).normal_force_N_per_m - normal_force_N_per_m
@@ -112,4 +112,4 @@ class BandedJanssen(Janssen):
         low, high = 1e-6, 100.0
         if not beyond(low) < 0.0 < beyond(high):
             raise ValueError(f"no pressure ratio gives a wall normal force of {normal_force_N_per_m:.6g} N/m")
-        return float(brentq(beyond, low, high, rtol=1e-12))
+        return root(beyond, low, high)

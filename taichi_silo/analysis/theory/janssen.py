@@ -24,6 +24,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import exprel
 
+from taichi_silo.analysis.root import root
+
 WALLS = {"plane": 2, "round": 1}  # that carry the weight named in N per m
 PERIMETER = {"plane": 2.0, "round": 4.0}  # width over A/U
 
@@ -136,7 +138,5 @@ def pressure_ratio_from_normal_force(
     if fraction < 1e-12:  # friction plays no part: N = K gamma h^2 / 2
         return 2.0 * force / (weight_density_N_per_m3 * height_m**2)
     low, high = 2.0 * fraction * (1.0 - 1e-9), (1.0 + 1e-9) / (1.0 - fraction)
-    from scipy.optimize import brentq  # it takes a fifth of a second
-
-    x = brentq(lambda x: x * _mean_growth(x) - fraction, low, high, xtol=1e-14 * low, rtol=1e-14)
+    x = root(lambda x: x * _mean_growth(x) - fraction, low, high)
     return float(x * width_m / (PERIMETER[section] * mu * height_m))
