@@ -1,16 +1,17 @@
 """What nodes feel of a pattern of point stresses, and how it is taken out of the pattern.
 
 Nodes feel of a pattern d the forces f_i = sum_p V_p d_p grad S_ip. The nearest pattern that they do not feel, by least
-squares weighted with the volumes, is
+squares weighted with V_p / r_p, is
 
-    d_p - (B w)_p,   (B w)_p = sym sum_i w_i (x) grad S_ip,   K w = f
+    d_p - r_p (B w)_p,   (B w)_p = sym sum_i w_i (x) grad S_ip,   K w = f
 
-B w is the stress of an elastic body of unit stiffness under the forces f, K its stiffness. Conjugate gradients find w;
-all nodes stand on a soft bed, which leaves those alone that hardly touch sand.
+r B w is the stress of an elastic body of stiffness r_p under the forces f, K its stiffness; r_p is the room that a
+point has (`several.room`), so that sand as dense as it can be gives no way. Conjugate gradients find w; all nodes stand
+on a soft bed, which leaves those alone that hardly touch sand.
 
 With d = s q, shares s of the patterns q, taking that is the change of the stresses nearest to -q where s is 1 and to 0
-where it is 0: of all changes that no node feels it makes sum V (s |change + q|^2 + (1 - s) |change|^2) least. So sand
-that is not sheared gives a little way to its neighbours.
+where it is 0: where all have room, of all changes that no node feels it makes
+sum V (s |change + q|^2 + (1 - s) |change|^2) least. So sand that is not sheared gives a little way to its neighbours.
 """
 
 import copy
@@ -47,7 +48,7 @@ class Given(NamedTuple):
 
 @ti.data_oriented
 class FeltPart:
-    """Takes it out of what stands in an array of eight, a row a point (see `PatchPasses`).
+    """Takes it out of what stands in an array of eight, a row a point (see `PatchPasses`); slot 6 holds r.
 
     The grid must stand still and have no axis of symmetry.
     """
@@ -118,7 +119,7 @@ class FeltPart:
             if self.particles.is_there(p):
                 strain = self._strain(p)
                 for c in ti.static(range(4)):
-                    points[p][c] -= strain[c]
+                    points[p][c] -= points[p][6] * strain[c]
 
     @ti.func
     def _strain(self, p):
@@ -138,9 +139,10 @@ class FeltPart:
         if given.points[p][5] > NOWHERE:
             pattern = given.points[p]
             xx, yy, zz, xy = pattern[0], pattern[1], pattern[2], pattern[3]
+            volume, room = store.read("volume", p), given.points[p][6]
             if ti.static(given.strained):
                 xx, yy, zz, xy = self._strain(p)
-            volume = store.read("volume", p)
+                xx, yy, zz, xy = room * xx, room * yy, room * zz, room * xy
             per_dx, per_dy, per_x = 1.0 / self.grid.cell_size, 1.0 / self.grid.cell_height(0), 0.0 * volume
             if ti.static(self.geometry.HOOP):
                 per_x = 1.0 / store.read("position", p)[0]
@@ -153,4 +155,4 @@ class FeltPart:
                         force = ti.Vector([dx * xx + dy * xy + s * zz, dx * xy + dy * yy])
                         store.add(self.grid.force, k, volume * force)
                         if ti.static(not given.strained):
-                            store.add(self.grid.mass, k, volume * (dx * dx + dy * dy + s * s))
+                            store.add(self.grid.mass, k, room * volume * (dx * dx + dy * dy + s * s))

@@ -181,12 +181,14 @@ class PatchFilter:
 
     @ti.func
     def _weigh(self, points: ti.template(), p):
-        """Of what the passes left of point p the share that is to be taken out."""
+        """Of what the passes left of point p the share that is to be taken out, and the room it has."""
         s = self.particles.read("stress", p)
         if points[p][5] > NOWHERE:
-            share = self._share(self.particles, p, s, self._void_ratio(self.particles, p), self.path[p])
+            e = self._void_ratio(self.particles, p)
+            share = self._share(self.particles, p, s, e, self.path[p])
             for c in ti.static(range(4)):
                 points[p][c] *= share
+            points[p][6] = room(self.law, self.particles, p, s, e)
         self.path[p] = self.particles.path[p]
 
     @ti.func

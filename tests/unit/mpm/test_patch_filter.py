@@ -203,6 +203,7 @@ def test_what_nodes_feel_of_a_pattern_is_taken_out_and_what_they_do_not_feel_sta
     passes.hold()
     given = np.zeros(passes.points.to_numpy().shape)
     given[: len(place), :4] = 1e3 * rng.uniform(-1.0, 1.0, (len(place), 4))
+    given[:, 6] = 1.0  # all may give way
     passes.points.from_numpy(given)
     forces = [np.linalg.norm(felt._forces(passes.points, False))]
     left = []
@@ -283,3 +284,26 @@ def test_sand_that_would_be_pulled_stays_in_compression_and_costs_a_fifth_of_wha
         assert (xx < 0.0).all() and (xx * yy > xy**2 * (1.0 - 1e-9)).all()
         assert np.abs(after - before).mean() > 0.1 * pressure.mean()
     assert lost[0] < 0.2 * lost[1]
+
+
+def test_sand_as_dense_as_it_can_be_gives_no_way_to_its_neighbours_either():
+    """Every third point has no room left; what nodes feel is taken from the others alone."""
+    runtime.init()
+    size = CELLS * CELL
+    particles, grid = block(width=size, height=size, cell=CELL, points_per_axis=2, box=(size + CELL, size + CELL))
+    law = Sand(law="gudehus-bauer").constitutive_law()
+    felt = FeltPart(particles, grid, UniformGimp(0.25), PlaneStrain())
+    patch = PatchFilter(particles, grid, law, felt=felt)
+    pressure = 1e3 * (1.0 + np.random.default_rng(9).uniform(0.0, 1.0, particles.number))
+    before, path = np.outer(-pressure, [1.0, 1.0, 1.0, 0.0]), np.full(particles.number, SHEARED)
+    dense = np.arange(particles.number) % 3 == 0
+    void_ratio = np.where(dense, 0.9 * Sand().e_d0, 0.5 * (Sand().e_d0 + Sand().e_c0))
+    volume = particles.arrays()["volume"]
+    change(particles, stress=before, path=path, mass=volume * law.grain_density / (1.0 + void_ratio))
+    particles.revision += 1
+    patch.begin()
+    change(particles, path=path + STRAIN)
+    patch.turn()
+    after = particles.arrays()["stress"]
+    assert (after[dense] == before[dense]).all()
+    assert np.abs(after - before)[~dense].mean() > 0.05 * pressure.mean()
