@@ -26,15 +26,23 @@ def flow_findings(filled: dict, before: dict, now: dict, scene: Scene) -> dict:
     scene : of the run.
 
     """
-    seconds = now["time_s"] - before["time_s"]
-    if len(now["mass"]) < FEWEST or not seconds > 0.0:
+    if len(now["mass"]) < FEWEST or not now["time_s"] > before["time_s"]:
         return {}
+    found = _between(before, now, scene)
+    del before  # of a large silo there is no room for all at once
+    return found | {"zones_inside": zones_inside(filled, now, scene)}
+
+
+def _between(before: dict, now: dict, scene: Scene) -> dict:
+    """Pattern and residence times of the flow from one state to the other."""
+    seconds = now["time_s"] - before["time_s"]
     silo: Silo = scene.silo
     found: dict[str, Any] = {}
     then, here = (state["position"] + (0.0, state["sunk_m"]) for state in (before, now))
     origin = np.array([0.0, (now["sunk_m"] - before["sunk_m"]) / seconds])
     place, velocity, index = mean_velocity(then, here, seconds, before["identity"], now["identity"])
-    velocity = velocity - origin  # in the laboratory
+    del then, here
+    velocity -= origin  # in the laboratory
     volume, breadth = before["volume"][index], silo.width_m
     if silo.section == "round":  # volumes are per metre of a point's own girth, the outflow per metre of the wall's
         breadth = 0.5 * silo.width_m
@@ -62,7 +70,7 @@ def flow_findings(filled: dict, before: dict, now: dict, scene: Scene) -> dict:
             "never_share": stay.never_share,
             "first_from_surface_over_plug": stay.first_from_surface,
         }
-    return found | {"zones_inside": zones_inside(filled, now, scene)}
+    return found
 
 
 def zones_inside(filled: dict, now: dict, scene: Scene) -> dict:
