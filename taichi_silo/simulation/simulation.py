@@ -199,6 +199,7 @@ class Simulation:
     def _use(self, control: NoiseControl) -> None:
         """From now on step with this noise control; surfaces go on pressing as they did."""
         if control != self.solver.control:
+            self.solver.executor.rest()
             pressing = self.solver.surfaces
             self.solver = self.model.solver(control)
             self.solver.surfaces.take_over(pressing)
@@ -208,6 +209,7 @@ class Simulation:
     def _pour(self, chosen: np.ndarray, above: float) -> None:
         """Add points of the fill, given by their indices, so far above their place [m]."""
         particles = self.model.particles
+        self.solver.executor.rest()
         self._fill = fill = self._fill or {n: values for n, values in self.model.fill().items() if n in particles.names}
         new = {name: values[chosen] for name, values in fill.items()}
         new["position"] = new["position"] + (0.0, above)
@@ -325,6 +327,7 @@ class Simulation:
 
     def _whole(self, names: tuple[str, ...], first: int, end: int) -> dict[str, np.ndarray]:
         """Fields of computed points `first` to `end`, and of those that they stand for."""
+        self.solver.executor.rest()  # so that there is room for what is done with them
         asked = {*names, "position"} if self.model.section.round else names
         whole = self.model.section.whole(self._computed(asked, first, end), self.scene.silo.width_m)
         return {name: whole[name] for name in names}
@@ -338,6 +341,7 @@ class Simulation:
 
         Arrays are the fields themselves where that is possible: what is kept of them must be copied.
         """
+        self.solver.executor.rest()
         particles = self.model.particles
         kept = {
             "clock": dataclasses.asdict(self.clock) | {"seen": self.sums_revision, "loads": particles.revision},

@@ -7,6 +7,7 @@ from typing import Any
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.executors import Executor, Phase, PhaseLoop
+from taichi_silo.mpm.idle_memory import give_back
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.own_cores import OwnCores
 from taichi_silo.mpm.runtime import real
@@ -88,6 +89,12 @@ class Simd(Executor):
         """Let somebody use the arrays and change the fields: the state is taken over from them once more."""
         self.holds = -1
 
+    def rest(self) -> None:
+        """Hand the state back, and the memory of the arrays: two thirds of all that a silo takes in its steps."""
+        self.hand_back()
+        self.lend()
+        give_back(*self.arrays)
+
     def change(self, function: Callable[..., None]) -> None:
         """Let a function of the arrays (points, sums, nodal) change the points; it leaves sums and nodal 0."""
         self.hold()
@@ -111,8 +118,7 @@ class Simd(Executor):
 
     def _sort(self) -> None:
         """Put the points in the order of their cells; the fields hold the state then."""
-        self.hand_back()
-        self.lend()
+        self.rest()
         self.strips.sort()
 
     @contextlib.contextmanager
