@@ -29,8 +29,9 @@ def flow_findings(filled: dict, before: dict, now: dict, scene: Scene) -> dict:
     if len(now["mass"]) < FEWEST or not now["time_s"] > before["time_s"]:
         return {}
     found = _between(before, now, scene)
-    del before  # of a large silo there is no room for all at once
-    return found | {"zones_inside": zones_inside(filled, now, scene)}
+    since = since_filling(filled, now)
+    del filled, before, now  # of a large silo there is no room for all at once
+    return found | {"zones_inside": zones_inside(*since, scene)}
 
 
 def _between(before: dict, now: dict, scene: Scene) -> dict:
@@ -73,12 +74,16 @@ def _between(before: dict, now: dict, scene: Scene) -> dict:
     return found
 
 
-def zones_inside(filled: dict, now: dict, scene: Scene) -> dict:
-    """Number, thickness, curvature, branching of the shear zones inside, from the strain's path since filling."""
-    then = matched(filled, now)
+def since_filling(filled: dict, now: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places above the bottom now, path of the strain since filling, and change of the void ratio."""
+    then, place = matched(filled, now), now["position"] + (0.0, now["sunk_m"])
+    return place, np.maximum(now["path"] - then["path"], 0.0), now["void_ratio"] - then["void_ratio"]
+
+
+def zones_inside(place: np.ndarray, path: np.ndarray, change: np.ndarray, scene: Scene) -> dict:
+    """Number, thickness, curvature, branching of the shear zones inside, from what `since_filling` tells."""
     found = shear_zones(
-        now["position"] + (0.0, now["sunk_m"]), np.maximum(now["path"] - then["path"], 0.0), scene.silo.width_m,
-        now["void_ratio"] - then["void_ratio"], scene.spacing_m, scene.sand.d50_m,
+        place, path, scene.silo.width_m, change, scene.spacing_m, scene.sand.d50_m,
         scene.characteristic_length_m or np.nan,
     )  # fmt: skip
     return {

@@ -309,10 +309,12 @@ class Simulation:
         `position` is in the laboratory; `void_ratio`; `identity`, by which a point is found again in another state.
         Masses and volumes are per metre run, in a round silo of the point's own girth.
         """
+        self.solver.executor.rest()  # so that there is room for what is done with them
         return self._whole(names or self.names_of_points, 0, self.model.particles.number)
 
     def pieces(self, name: str) -> Iterator[np.ndarray]:
         """A field of `points`, some rows after the others, so that it is never there as a whole."""
+        self.solver.executor.rest()
         sides, count = self.model.section.points_per_computed, self.model.particles.number
         for side in range(sides):
             for first in range(0, max(count, 1), PIECE):
@@ -327,7 +329,6 @@ class Simulation:
 
     def _whole(self, names: tuple[str, ...], first: int, end: int) -> dict[str, np.ndarray]:
         """Fields of computed points `first` to `end`, and of those that they stand for."""
-        self.solver.executor.rest()  # so that there is room for what is done with them
         asked = {*names, "position"} if self.model.section.round else names
         whole = self.model.section.whole(self._computed(asked, first, end), self.scene.silo.width_m)
         return {name: whole[name] for name in names}
@@ -357,6 +358,7 @@ class Simulation:
 
     def restore(self, kept: dict) -> None:
         """Stand where a simulation of the same scene stood when its `state` was taken."""
+        self.solver.executor.rest()
         clock, points = kept["clock"], dict(kept["points"])
         self.clock = Clock(
             **{field.name: clock[field.name] for field in dataclasses.fields(Clock) if field.name in clock}

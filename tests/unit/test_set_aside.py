@@ -1,8 +1,9 @@
-"""States of points that wait on the disk come back bit by bit."""
+"""Arrays that wait on the disk come back bit by bit, also by way of another file."""
 
 import numpy as np
 
-from taichi_silo.runs.set_aside import SetAside
+from taichi_silo.utils import checked_npz
+from taichi_silo.utils.set_aside import SetAside
 
 PLACES = np.random.default_rng(1).normal(size=(100, 2))
 STATE = {
@@ -24,3 +25,14 @@ def test_what_is_set_aside_comes_back_in_the_same_order_and_leaves_nothing_in_th
 
 def test_some_arrays_come_back_with_all_that_is_no_array():
     assert set(SetAside(None, STATE).read("identity", "none")) == {"identity", "none", "time_s"}
+
+
+def test_what_is_set_aside_can_be_set_aside_again_and_written_into_a_checkpoint(tmp_path):
+    aside = SetAside(tmp_path, STATE)
+    checked_npz.write(tmp_path / "one.npz", {"kept": aside.kept})
+    again = SetAside(None, aside.kept).read()
+    read = checked_npz.read(tmp_path / "one.npz")[1]["kept"]
+    for found in (again, read):
+        assert found["time_s"] == 0.1
+        for name in set(STATE) - {"time_s"}:
+            assert np.array_equal(found[name], STATE[name]), name

@@ -14,7 +14,7 @@ from scipy.ndimage import binary_dilation, convolve, gaussian_filter, label
 AROUND = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))  # clockwise from above
 RING = np.ones((3, 3), np.int8)
 TRUNCATED = 4.0  # standard deviations at which the bell ends
-AT_ONCE = 1 << 16  # cells whose curvature is found at once
+AT_ONCE = 1 << 15  # cells whose curvature is found at once
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ def crest(field: NDArray, sigma: float) -> tuple[NDArray, NDArray, NDArray]:
     smooth = gaussian_filter(field, sigma, mode="nearest", truncate=TRUNCATED)
     on, curvature = np.empty(field.shape, bool), np.empty(field.shape)
     reach = int(TRUNCATED * sigma + 0.5)  # of the bell, in rows
-    at_once = max(2 * reach, AT_ONCE // field.shape[1], 1)
+    at_once = max(reach, AT_ONCE // field.shape[1], 1)
     for first in range(0, len(field), at_once):
         rows, low = slice(first, first + at_once), max(0, first - reach)
         strip = field[low : first + at_once + reach]
@@ -48,7 +48,7 @@ def _crest(field: NDArray, sigma: float, rows: slice) -> tuple[NDArray, NDArray]
     """Whether a crest line passes through the cells of some rows, and the curvature across it."""
 
     def slope(*order: int) -> NDArray:
-        return gaussian_filter(field, sigma, order=order, mode="nearest", truncate=TRUNCATED)[rows]
+        return gaussian_filter(field, sigma, order=order, mode="nearest", truncate=TRUNCATED)[rows].copy()
 
     gradient = np.stack([slope(1, 0), slope(0, 1)], axis=-1)
     mixed = slope(1, 1)
@@ -123,7 +123,7 @@ def _graph(lines: NDArray, shortest: int) -> Ridges:
         if bends:
             crowd = crowd & ~np.isin(knots, bends)
             continue
-        sizes = np.bincount(pieces.ravel(), minlength=piece_count + 1)
+        sizes = np.bincount(pieces[pieces > 0], minlength=piece_count + 1)
         between = [
             p for p in range(1, piece_count + 1) if sizes[p] < shortest and sum(p in around for around in meets) == 2
         ]

@@ -7,9 +7,9 @@ from typing import Any
 
 from taichi_silo.mpm import runtime
 from taichi_silo.mpm.executors import Executor, Phase, PhaseLoop
-from taichi_silo.mpm.idle_memory import give_back
 from taichi_silo.mpm.language import ti
 from taichi_silo.mpm.own_cores import OwnCores
+from taichi_silo.mpm.pages import give_back, give_back_freed, in_large_pages
 from taichi_silo.mpm.runtime import real
 from taichi_silo.mpm.simd.lane_maths import greatest, larger
 from taichi_silo.mpm.simd.store import HALVES, Groups, Layout
@@ -54,6 +54,8 @@ class Simd(Executor):
         self.points = runtime.array(eight, self.layout.groups * self.layout.record)
         self.sums, self.nodal = (runtime.array(eight, grid.nodes) for _ in range(2))
         self.arrays = self.points, self.sums, self.nodal
+        in_large_pages(*self.arrays)
+        give_back_freed()
         self.strips = Strips(self.layout, averaging.reach_m)
         self.light = self.alone or self.layout.groups < LIGHT
         self.compiled: set[str] = set()

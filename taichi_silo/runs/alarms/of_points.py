@@ -10,12 +10,12 @@ from taichi_silo.analysis.measure.matching import matched
 from taichi_silo.analysis.measure.wall_pressure import SURFACE
 from taichi_silo.runs.alarms.of_records import Check, smaller_step
 from taichi_silo.runs.certificate import inertial_number, unexplained_densification
-from taichi_silo.runs.set_aside import SetAside
 from taichi_silo.scene import fill_shape
 from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.alarm import Alarm
 from taichi_silo.simulation.record import Record
 from taichi_silo.simulation.simulation import Simulation
+from taichi_silo.utils.set_aside import SetAside
 
 Points = dict[str, np.ndarray]  # fields of all points, see `Simulation.points`
 
@@ -91,7 +91,7 @@ class _Since(CheckOfPoints):
 
     def state(self) -> dict:
         """The state to compare with."""
-        return {"earlier": self.earlier and self.earlier.read()}
+        return {"earlier": self.earlier and self.earlier.kept}
 
     def restore(self, kept: dict) -> None:
         """Go on with the state to compare with."""
@@ -117,7 +117,7 @@ class Ratcheting(_Since):
         if self.earlier is None or self.free:  # sand that falls is not at rest, and lands as it can
             return None
         earlier = matched(self.earlier.read(), points)
-        if self.rings is None or self.rings.state["points"] != len(points["mass"]):  # else it is the same sand
+        if self.rings is None or self.rings.kept["points"] != len(points["mass"]):  # else it is the same sand
             found = Rings(earlier["position"])
             self.rings = SetAside(self.folder, {"index": found.index, "points": len(found.index)})
         scene, rings = self.simulation.scene, Rings(earlier["position"], self.rings.read()["index"])

@@ -22,11 +22,11 @@ from taichi_silo.runs.observers import Observer
 from taichi_silo.runs.observers.forces import rows_of
 from taichi_silo.runs.observers.wall_profiles import WallProfiles
 from taichi_silo.runs.result import at_rest, residual
-from taichi_silo.runs.set_aside import SetAside
 from taichi_silo.runs.theories import theory_of
 from taichi_silo.scene.outlets import Outlet
 from taichi_silo.simulation import outflow
 from taichi_silo.utils import atomic_write
+from taichi_silo.utils.set_aside import SetAside
 
 MEASURED = (0.9, 1.0)  # of the flow: between which its pattern is measured
 # what is kept of the points: after filling, and of the two states between which the flow is measured
@@ -60,7 +60,7 @@ class Summary(Observer):
     def state(self) -> dict:
         """All but the simulation."""
         kept = {name: getattr(self, name) for name in STATES}
-        states = {name: state and state.read() for name, state in kept.items()}
+        states = {name: state and state.kept for name, state in kept.items()}
         return states | {"seconds": time.monotonic() - self.started}
 
     def restore(self, simulation, kept: dict) -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from taichi_silo.mpm import runtime
-from taichi_silo.mpm.idle_memory import give_back
 from taichi_silo.mpm.language import NAME
+from taichi_silo.mpm.pages import give_back
 from taichi_silo.mpm.simd.vectors import eight
 from taichi_silo.simulation.clock import Interval
 from taichi_silo.simulation.simulation import Simulation
