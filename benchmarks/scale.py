@@ -9,6 +9,7 @@
 import argparse
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pandas as pd
@@ -22,56 +23,26 @@ PACES = Path("outputs") / "gallery" / "bench.csv"
 SIZES = (250_000, 1_000_000)
 CELLS_M = (0.05, 0.02, 0.01)
 GIB = 2.0**30
-STEPPING = ("silo ready", "steps", "snapshot", "checkpoint")
-STAGES = (*STEPPING, "filled", "guarded")  # the last two: what summary and guard keep, and look at
-PROGRAM = """
-import tempfile
-from pathlib import Path
-from types import SimpleNamespace
+STEPS = "steps"  # of the stages
+COMPILE = """
 from benchmarks.bench import loaded
-from taichi_silo.runs import snapshot
-from taichi_silo.runs.observers import guard, summary
-from taichi_silo.utils import checked_npz
-def said(name):
-    for line in open("/proc/self/status"):
-        if line.startswith(name):
-            return 1024 * int(line.split()[1])
-def show():
-    print(said("VmRSS"), said("VmHWM"))
-    open("/proc/self/clear_refs", "w").write("5")  # the greatest from now on
-s = loaded({points}, 1, 1)
-print(s.scene.points)
-show()
-s.solver.advance(3, 0.5 * s.solver.point_sums().stable_step, gravity=(9.81, 9.81))
-s.solver.filter.turn()
-show()
-folder = Path(tempfile.mkdtemp())
-snapshot.write_pieces(folder / "one.vtu", s.names_of_points, s.pieces)
-show()
-checked_npz.write(folder / "one.npz", {{"simulation": s.state()}})
-show()
-keeping = guard.Guard(), summary.Summary(folder / "summary.json", None)
-for one in keeping:
-    one.begin(s)
-    one.filled()
-show()
-points = s.points(*guard.FIELDS)
-for one in keeping[0].of_points:
-    one.look(SimpleNamespace(time_s=1.0, stage="flow"), points)
-del points
-show()
+simulation = loaded({points}, 1, 1)
+simulation.solver.advance(2, 0.5 * simulation.solver.point_sums().stable_step)
+simulation.solver.filter.turn()
 """
 
 
 def memory(points: int) -> list[dict]:
-    """What a process with a silo of so many points holds, and has held at most in each stage [bytes]; on Linux."""
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM.format(points=points)], capture_output=True, text=True, check=True
-    )
-    count, *numbers = map(int, done.stdout.split())
+    """What the process of a run of so many points holds, and the most in each of its stages [bytes]; on Linux."""
+    # compiling takes memory of its own
+    subprocess.run([sys.executable, "-c", COMPILE.format(points=points)], check=True)
+    with tempfile.TemporaryDirectory(dir=FOLDER) as folder:
+        program = [sys.executable, "-m", "benchmarks.whole_run", str(points), folder]
+        count, *lines = subprocess.run(program, capture_output=True, text=True, check=True).stdout.splitlines()
+    stages = [line.split() for line in lines]
     return [
-        {"points": count, "stage": stage, "held_bytes": held, "most_bytes": most}
-        for stage, held, most in zip(STAGES, numbers[::2], numbers[1::2], strict=True)
+        {"points": int(count), "stage": stage, "held_bytes": int(held), "most_bytes": int(most)}
+        for stage, held, most in stages
     ]
 
 
@@ -107,11 +78,9 @@ def main() -> None:
     """Measure, print, write."""
     argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     FOLDER.mkdir(parents=True, exist_ok=True)
-    for points in SIZES:  # compiles, which takes memory of its own
-        memory(points)
     rows = [row for points in SIZES for row in memory(points)]
     process, a_point = law(rows, "most_bytes")
-    process_stepping, a_point_stepping = law([row for row in rows if row["stage"] in STEPPING], "most_bytes")
+    process_stepping, a_point_stepping = law([row for row in rows if row["stage"] == STEPS], "most_bytes")
     print(
         f"at most {process / GIB:.2f} GiB and {a_point:.0f} bytes a point, {a_point_stepping:.0f} of them in the steps"
     )

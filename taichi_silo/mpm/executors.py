@@ -167,6 +167,9 @@ class Executor:
     def hand_back(self) -> None:
         """Have the fields of the points hold the state; steps may leave it elsewhere."""
 
+    def rest(self) -> None:
+        """Hold nothing but the fields, and no memory beside them, until the next launch."""
+
     def lend(self) -> None:
         """Let somebody change the fields of the points: the state is taken over from them once more."""
 

@@ -161,6 +161,13 @@ class Particles:
         for name, field in self.fields.items():
             put(field, arrays[name] if name in arrays or name != "affine" else 0.0, self.number)
 
+    def keep(self, stayed: np.ndarray) -> None:
+        """Go on with those of the points (n,) that have stayed, as another state."""
+        number, self.revision = int(stayed.sum()), self.revision + 1
+        for field in self.fields.values():
+            put(field, present(field, self.number)[stayed], number)
+        self._count_active(number)
+
     def _count_active(self, number: int) -> None:
         self.number = number
         put(self.active, number)

@@ -137,6 +137,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
 
     """
     model, solver = simulation.model, simulation.solver
+    solver.executor.rest()
     model.particles.load(_at_rest(model, model.fill()))
     speed = 0.0 if model.scene.flow.free else model.scene.flow.speed_m_per_s  # the gate stays shut
     rates: list[float] = []
@@ -159,6 +160,7 @@ def rehearse(simulation: Simulation, seconds: float = REHEARSED_S, most: float =
             begun, done = begun + 1, done + taken
             if begun > FIRST_INTERVALS:
                 rates.append((timer() - started) / taken)
+    solver.executor.rest()
     model.particles.load(model.fill())
     put(model.grid.memory, 0.0)
     solver.surfaces.clear()

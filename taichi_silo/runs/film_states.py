@@ -25,6 +25,7 @@ PIECE = struct.Struct("<IIddBBHI")  # bytes and CRC-32 of what follows; time [s]
 POSITION_UNITS, VOID_RATIO_UNITS = 2048, 65536  # to a spacing, to 1
 MOST_POINTS = 100_000_000
 STAGES = ("filling", "flow")
+FIELDS = ("position", "void_ratio", "identity")  # of the points, that a state shows
 
 
 class Packing:
@@ -96,7 +97,8 @@ def head(spacing_m: float) -> tuple[bytes, np.ndarray]:
 def piece(packing: Packing, units: np.ndarray, points: dict, time_s: float, stage: str, displacement_m: float,
           shown: int) -> bytes:  # fmt: skip
     """The bytes of a state that is shown in so many frames; points that are not finite are left out."""
-    numbers = np.column_stack([points["position"], points["void_ratio"]]) / units
+    numbers = np.column_stack([points["position"], points["void_ratio"]])
+    numbers /= units
     sound = (np.abs(numbers) < 2**29).all(axis=1)  # of nan, too
     renamed, packed = packing.pack(points["identity"][sound], np.rint(numbers[sound]))
     rest = PIECE.pack(0, 0, time_s, displacement_m, STAGES.index(stage), renamed, shown, int(sound.sum()))[8:] + packed

@@ -26,15 +26,24 @@ def flow_findings(filled: dict, before: dict, now: dict, scene: Scene) -> dict:
     scene : of the run.
 
     """
-    seconds = now["time_s"] - before["time_s"]
-    if len(now["mass"]) < FEWEST or not seconds > 0.0:
+    if len(now["mass"]) < FEWEST or not now["time_s"] > before["time_s"]:
         return {}
+    found = _between(before, now, scene)
+    since = since_filling(filled, now)
+    del filled, before, now  # of a large silo there is no room for all at once
+    return found | {"zones_inside": zones_inside(*since, scene)}
+
+
+def _between(before: dict, now: dict, scene: Scene) -> dict:
+    """Pattern and residence times of the flow from one state to the other."""
+    seconds = now["time_s"] - before["time_s"]
     silo: Silo = scene.silo
     found: dict[str, Any] = {}
     then, here = (state["position"] + (0.0, state["sunk_m"]) for state in (before, now))
     origin = np.array([0.0, (now["sunk_m"] - before["sunk_m"]) / seconds])
     place, velocity, index = mean_velocity(then, here, seconds, before["identity"], now["identity"])
-    velocity = velocity - origin  # in the laboratory
+    del then, here
+    velocity -= origin  # in the laboratory
     volume, breadth = before["volume"][index], silo.width_m
     if silo.section == "round":  # volumes are per metre of a point's own girth, the outflow per metre of the wall's
         breadth = 0.5 * silo.width_m
@@ -62,15 +71,19 @@ def flow_findings(filled: dict, before: dict, now: dict, scene: Scene) -> dict:
             "never_share": stay.never_share,
             "first_from_surface_over_plug": stay.first_from_surface,
         }
-    return found | {"zones_inside": zones_inside(filled, now, scene)}
+    return found
 
 
-def zones_inside(filled: dict, now: dict, scene: Scene) -> dict:
-    """Number, thickness, curvature, branching of the shear zones inside, from the strain's path since filling."""
-    then = matched(filled, now)
+def since_filling(filled: dict, now: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places above the bottom now, path of the strain since filling, and change of the void ratio."""
+    then, place = matched(filled, now), now["position"] + (0.0, now["sunk_m"])
+    return place, np.maximum(now["path"] - then["path"], 0.0), now["void_ratio"] - then["void_ratio"]
+
+
+def zones_inside(place: np.ndarray, path: np.ndarray, change: np.ndarray, scene: Scene) -> dict:
+    """Number, thickness, curvature, branching of the shear zones inside, from what `since_filling` tells."""
     found = shear_zones(
-        now["position"] + (0.0, now["sunk_m"]), np.maximum(now["path"] - then["path"], 0.0), scene.silo.width_m,
-        now["void_ratio"] - then["void_ratio"], scene.spacing_m, scene.sand.d50_m,
+        place, path, scene.silo.width_m, change, scene.spacing_m, scene.sand.d50_m,
         scene.characteristic_length_m or np.nan,
     )  # fmt: skip
     return {

@@ -136,7 +136,7 @@ class _Session:
             "snapshots": Snapshots(folder, snapshot.shown_displacements(scene.flow), scene.snapshots),
             "summary": self.summary,  # after those whose files it reads
             **extra,
-            "guard": Guard(),  # after the others: they have seen what it stops at
+            "guard": Guard(folder),  # after the others: they have seen what it stops at
             "log": self.log,
         }
         self.checkpoint = Checkpoint(folder, self.observers, kept["run"] if kept else None)
@@ -173,7 +173,7 @@ class _Session:
                 observer.begin(self.simulation)
             else:
                 with checked_npz.understood(self.folder):
-                    observer.restore(self.simulation, self.kept["observers"].get(name, {}))
+                    observer.restore(self.simulation, self.kept["observers"].pop(name, {}))
         self._note()
         self._simulate(begun, stops.check)
 

@@ -13,8 +13,10 @@ from taichi_silo.scene.symmetry import half_model
 
 GIB = 2.0**30
 OF_PROCESS = 0.26 * GIB  # Python, Taichi and the compiled step
-OF_POINT = 400.0  # bytes, of the fields of a computed point and its node
-OF_KEPT = 203.0  # of a point of the whole silo, in the states that a run keeps and looks at
+OF_STEPS = 367.0  # bytes, of a computed point and its node while steps are done
+OF_FILM = 28.0  # of a point of the whole silo, in what the next state of a film is told from
+OF_FIELDS = 131.0  # of a computed point while points are looked at, for which the vector unit makes room,
+OF_LOOKS = 262.0  # and of a point of the whole silo in what looks: checkpoints, alarms, the measures at the end
 OF_MEAN = 140.0  # of a point in a non-local average
 OF_PAIR = 12.0  # of neighbours
 OF_MEAN_NODE = 32.0  # of the average's grid
@@ -37,7 +39,8 @@ def needed(scene: Scene) -> float:
             average += OF_PAIR * most_pairs(kernel.radius, scene.spacing_m, int(points))
         else:
             average += OF_MEAN_NODE * points * (PER_LENGTH * scene.spacing_m / kernel.length_m) ** 2
-    return OF_PROCESS + OF_POINT * points + OF_KEPT * whole + average
+    stepping, looking = OF_STEPS * points + OF_FILM * whole, OF_FIELDS * points + OF_LOOKS * whole
+    return OF_PROCESS + max(stepping, looking) + average
 
 
 def available() -> float:

@@ -77,8 +77,8 @@ class Discharge:
         Which of the points have stayed (n,), None if all have.
 
         """
-        place, d = self.particles.array("position"), self.spacing_m
-        by = np.full(len(place), -1)  # by which opening a point has gone
+        place, d = self.particles.present("position"), self.spacing_m
+        by = np.full(len(place), -1, np.int16)  # by which opening a point has gone
         self.passing, self.passing_each = 0.0, np.zeros(len(self.openings))
         for wall in dict.fromkeys(one.wall for one in self.openings):
             numbers = [k for k, one in enumerate(self.openings) if one.wall == wall]
@@ -107,8 +107,8 @@ class Discharge:
         shut, self.closed = closed & ~self.closed, closed
         if not shut.any():
             return None
-        place = self.particles.array("position")
-        by = np.full(len(place), -1)
+        place = self.particles.present("position")
+        by = np.full(len(place), -1, np.int16)
         for k in np.flatnonzero(shut).tolist():
             within, along = self._within(k, place)
             by[(within < 0.0) & self._before(k, along)] = k
@@ -136,12 +136,12 @@ class Discharge:
         gone = by >= 0
         if not gone.any():
             return None
-        arrays = self.particles.arrays()
-        self.mass += float(arrays["mass"][gone].sum())
-        self.masses = self.masses + np.bincount(by[gone], arrays["mass"][gone], minlength=len(self.openings))
-        self.momentum = self.momentum + arrays["mass"][gone] @ arrays["velocity"][gone]
+        mass, velocity = (self.particles.present(name)[gone] for name in ("mass", "velocity"))
+        self.mass += float(mass.sum())
+        self.masses = self.masses + np.bincount(by[gone], mass, minlength=len(self.openings))
+        self.momentum = self.momentum + mass @ velocity
         self.points += int(gone.sum())
-        self.particles.load({name: values[~gone] for name, values in arrays.items()})
+        self.particles.keep(~gone)
         return ~gone
 
     def state(self) -> dict:

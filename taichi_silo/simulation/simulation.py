@@ -199,6 +199,7 @@ class Simulation:
     def _use(self, control: NoiseControl) -> None:
         """From now on step with this noise control; surfaces go on pressing as they did."""
         if control != self.solver.control:
+            self.solver.executor.rest()
             pressing = self.solver.surfaces
             self.solver = self.model.solver(control)
             self.solver.surfaces.take_over(pressing)
@@ -208,6 +209,7 @@ class Simulation:
     def _pour(self, chosen: np.ndarray, above: float) -> None:
         """Add points of the fill, given by their indices, so far above their place [m]."""
         particles = self.model.particles
+        self.solver.executor.rest()
         self._fill = fill = self._fill or {n: values for n, values in self.model.fill().items() if n in particles.names}
         new = {name: values[chosen] for name, values in fill.items()}
         new["position"] = new["position"] + (0.0, above)
@@ -307,10 +309,12 @@ class Simulation:
         `position` is in the laboratory; `void_ratio`; `identity`, by which a point is found again in another state.
         Masses and volumes are per metre run, in a round silo of the point's own girth.
         """
+        self.solver.executor.rest()  # so that there is room for what is done with them
         return self._whole(names or self.names_of_points, 0, self.model.particles.number)
 
     def pieces(self, name: str) -> Iterator[np.ndarray]:
         """A field of `points`, some rows after the others, so that it is never there as a whole."""
+        self.solver.executor.rest()
         sides, count = self.model.section.points_per_computed, self.model.particles.number
         for side in range(sides):
             for first in range(0, max(count, 1), PIECE):
@@ -338,6 +342,7 @@ class Simulation:
 
         Arrays are the fields themselves where that is possible: what is kept of them must be copied.
         """
+        self.solver.executor.rest()
         particles = self.model.particles
         kept = {
             "clock": dataclasses.asdict(self.clock) | {"seen": self.sums_revision, "loads": particles.revision},
@@ -353,6 +358,7 @@ class Simulation:
 
     def restore(self, kept: dict) -> None:
         """Stand where a simulation of the same scene stood when its `state` was taken."""
+        self.solver.executor.rest()
         clock, points = kept["clock"], dict(kept["points"])
         self.clock = Clock(
             **{field.name: clock[field.name] for field in dataclasses.fields(Clock) if field.name in clock}

@@ -16,6 +16,7 @@ import numpy as np
 from taichi_silo.errors import BadInput
 from taichi_silo.utils import bounded_reading
 from taichi_silo.utils.messages import shown
+from taichi_silo.utils.set_aside import is_array
 
 ROWS = 1 << 16  # of an array that are read at once
 FORMAT = 2  # of what is kept; a file of another one is refused
@@ -26,8 +27,8 @@ class Damaged(ValueError):
 
 
 def write(file: Path, tree: dict) -> None:
-    """Write a tree of dictionaries; their leaves are arrays, or what JSON knows."""
-    arrays: dict[str, np.ndarray] = {}
+    """Write a tree of dictionaries; their leaves are arrays, in memory or `InFile`, or what JSON knows."""
+    arrays: dict = {}
     content = json.dumps(_without_arrays(tree, "", arrays), default=_plain)
     header = {"format": FORMAT, "taichi_silo": version("taichi-silo"), "sha256": _checksum(content, arrays)}
     with open(file, "wb") as stream:
@@ -103,7 +104,7 @@ def _without_arrays(tree: dict, path: str, arrays: dict) -> dict:
     """The tree less its arrays, which are gathered by their paths."""
     rest = {}
     for name, value in tree.items():
-        if isinstance(value, np.ndarray):
+        if is_array(value):
             arrays[path + name] = value
         else:
             rest[name] = _without_arrays(value, f"{path}{name}/", arrays) if isinstance(value, dict) else value
@@ -118,7 +119,7 @@ def _plain(value):
 def _checksum(content: str, arrays: dict) -> str:
     found = hashlib.sha256(content.encode())
     for name in sorted(arrays):
-        values = arrays[name]
+        values = np.asarray(arrays[name])
         found.update(f"{name} {values.dtype.str} {values.shape}".encode())
         for first in range(0, max(len(values), 1), ROWS) if values.ndim else (0,):
             found.update((values[first : first + ROWS] if values.ndim else values).tobytes())

@@ -74,7 +74,8 @@ def test_a_gate_that_has_hardly_sunk_makes_no_flow_pattern(monkeypatch):
     assert "2 cells wide" in few and "4.5 mm" in words and "(5 mm)" in words and "no flow pattern" in words
     assert known_limits.of_method(long) == [few]
     assert known_limits.has_pattern(smallest(flow=Flow(displacement_m=1e-4))), "a floor that sinks takes all sand along"
-    monkeypatch.setattr("taichi_silo.runs.flow_findings.zones_inside", lambda *states: {})
+    for name in ("since_filling", "zones_inside"):
+        monkeypatch.setattr(f"taichi_silo.runs.flow_findings.{name}", lambda *states: {})
     for scene, has in ((short, False), (long, True)):
         found = flow_findings({}, *sinking(scene), scene)
         assert ("flow_pattern" in found, "residence" in found) == (has, has)

@@ -10,6 +10,7 @@ standard error of the fit over independent stations.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from taichi_silo.analysis.measure.raster import inverse_distance_mean, within
 from taichi_silo.analysis.measure.zone import Spread
@@ -76,9 +77,10 @@ def shear_band(position, shear_strain, void_ratio, spacing_m: float, loose_from:
     step = 0.1 * spacing_m
     offset = np.arange(-reach, reach + step, step)
     places = line[:, None, :] + offset[None, :, None] * across
-    inside = within(position, places, spacing_m)
-    profile = np.where(inside, inverse_distance_mean(position, excess, places, 6), 0.0)
-    density = np.where(inside, inverse_distance_mean(position, void_ratio, places, 6), 0.0)
+    tree = cKDTree(position)
+    inside = within(tree, places, spacing_m)
+    profile = np.where(inside, inverse_distance_mean(tree, excess, places, 6), 0.0)
+    density = np.where(inside, inverse_distance_mean(tree, void_ratio, places, 6), 0.0)
     middles, width, loose, peak = [], [], [], []
     for k in range(STATIONS):
         top = int(np.argmax(profile[k]))

@@ -12,13 +12,22 @@ FLAT = 1e-9  # determinant over squared trace below which neighbours stand in a 
 
 
 class Rings:
-    """Points (n, 2) [m] and their nearest neighbours in one state, ready to be compared with any later one."""
+    """Points (n, 2) [m] and their nearest neighbours in one state, ready to be compared with any later one.
 
-    def __init__(self, before: NDArray) -> None:
+    `index` (n, 9) are the numbers of the neighbours; they are sought if it is not given.
+    """
+
+    def __init__(self, before: NDArray, index: NDArray | None = None) -> None:
+        self.before = before
+        self.index = self._sought(before) if index is None else index
+
+    @staticmethod
+    def _sought(before: NDArray) -> NDArray:
         tree, count = cKDTree(before), min(NEIGHBOURS, len(before))
-        self.before, self.index = before, np.empty((len(before), count), np.int32)
+        index = np.empty((len(before), count), np.int32)
         for rows in _parts(len(before)):
-            self.index[rows] = tree.query(before[rows], k=count)[1].reshape(-1, count)
+            index[rows] = tree.query(before[rows], k=count)[1].reshape(-1, count)
+        return index
 
     def net_shear(self, after: NDArray) -> NDArray:
         """Net strain (n,) of each point, vertical shortening left out: 0 in a column that only settles [-].

@@ -25,6 +25,7 @@ QUANTILES = (0.1, 0.25, 0.5, 0.75, 0.9)
 LONGEST = 20.0  # plug-flow times; what has not left by then never leaves (mean speed below 1/20 of plug flow's)
 STRIDE = 0.25  # of a cell: length of a step along a streamline
 LONGEST_PATH = 6.0  # of width + height
+AT_ONCE = 1 << 17  # points that are followed at once
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,10 @@ def residence(
     spacing = float(np.sqrt(np.median(volumes)))
     raster = Raster.over(points, width_m, spacing, bottom_m=0.0)
     plug = float(volumes.sum() / outflow_m2_per_s)
-    time = _times(points, raster, flow, width_m, outlets, LONGEST * plug)
+    fields, time = [raster.of(flow[:, k]) for k in (0, 1)], np.empty(len(points))
+    for begin in range(0, len(points), AT_ONCE):
+        some = points[begin : begin + AT_ONCE]
+        time[begin : begin + AT_ONCE] = _times(some, raster, fields, width_m, outlets, LONGEST * plug)
 
     leaves = np.isfinite(time)
     share = tuple(_quantile(time[leaves] / plug, volumes[leaves], level) for level in QUANTILES)
@@ -87,10 +91,9 @@ def residence(
 
 
 def _times(
-    points: NDArray, raster: Raster, flow: NDArray, width_m: float, outlets: NDArray, longest_s: float
+    points: NDArray, raster: Raster, fields: list[NDArray], width_m: float, outlets: NDArray, longest_s: float
 ) -> NDArray:
     """Time of each point to the outlet [s], by the midpoint rule in steps of equal length; inf if it never comes."""
-    fields = [raster.of(flow[:, k]) for k in (0, 1)]
     place, time, arrival = points.copy(), np.zeros(len(points)), np.full(len(points), np.inf)
     on_way, step = np.arange(len(points)), STRIDE * raster.cell_m
     walls = (width_m, np.inf)  # which points are kept between, and above the bottom

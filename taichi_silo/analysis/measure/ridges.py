@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, convolve, gaussian_filter, label
 
 AROUND = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))  # clockwise from above
-RING = np.ones((3, 3), int)
+RING = np.ones((3, 3), np.int8)
+TRUNCATED = 4.0  # standard deviations at which the bell ends
+AT_ONCE = 1 << 15  # cells whose curvature is found at once
 
 
 @dataclass(frozen=True)
@@ -31,13 +33,26 @@ def crest(field: NDArray, sigma: float) -> tuple[NDArray, NDArray, NDArray]:
 
     Returns the smoothed field, whether a crest line passes through a cell, and the curvature across it [1 / cells^2].
     """
-    smooth = gaussian_filter(field, sigma, mode="nearest")
+    smooth = gaussian_filter(field, sigma, mode="nearest", truncate=TRUNCATED)
+    on, curvature = np.empty(field.shape, bool), np.empty(field.shape)
+    reach = int(TRUNCATED * sigma + 0.5)  # of the bell, in rows
+    at_once = max(reach, AT_ONCE // field.shape[1], 1)
+    for first in range(0, len(field), at_once):
+        rows, low = slice(first, first + at_once), max(0, first - reach)
+        strip = field[low : first + at_once + reach]
+        on[rows], curvature[rows] = _crest(strip, sigma, slice(first - low, first - low + at_once))
+    return smooth, on, curvature
+
+
+def _crest(field: NDArray, sigma: float, rows: slice) -> tuple[NDArray, NDArray]:
+    """Whether a crest line passes through the cells of some rows, and the curvature across it."""
 
     def slope(*order: int) -> NDArray:
-        return gaussian_filter(field, sigma, order=order, mode="nearest")
+        return gaussian_filter(field, sigma, order=order, mode="nearest", truncate=TRUNCATED)[rows].copy()
 
     gradient = np.stack([slope(1, 0), slope(0, 1)], axis=-1)
-    hessian = np.stack([slope(2, 0), slope(1, 1), slope(1, 1), slope(0, 2)], axis=-1).reshape(*field.shape, 2, 2)
+    mixed = slope(1, 1)
+    hessian = np.stack([slope(2, 0), mixed, mixed, slope(0, 2)], axis=-1).reshape(*mixed.shape, 2, 2)
     value, vector = np.linalg.eigh(hessian)
     across, curvature = vector[..., 0], value[..., 0]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -46,7 +61,7 @@ def crest(field: NDArray, sigma: float) -> tuple[NDArray, NDArray, NDArray]:
     # 0.6 instead of half a cell: a crest on the boundary of two cells belongs to both
     # on a flank the field curves up across and, if the ridge is bent, down along it: that is no crest
     on = (curvature < 0.0) & (value[..., 1] < -curvature) & (np.abs(place).max(axis=-1) <= 0.6)
-    return smooth, on, curvature
+    return on, curvature
 
 
 def thin(mask: NDArray) -> NDArray:
@@ -57,8 +72,8 @@ def thin(mask: NDArray) -> NDArray:
         for turn in (0, 4):
             ring = [np.roll(mask, (-dr, -dc), (0, 1)) for dr, dc in AROUND]
             pairs = [[ring[(k + shift) % 8] | ring[(k + 1 + shift) % 8] for k in (0, 2, 4, 6)] for shift in (0, 1)]
-            parts = sum((~ring[k] & pairs[1][k // 2]).astype(int) for k in (0, 2, 4, 6))
-            count = np.minimum(np.sum(pairs[0], axis=0), np.sum(pairs[1], axis=0))
+            parts = sum((~ring[k] & pairs[1][k // 2]).astype(np.int8) for k in (0, 2, 4, 6))
+            count = np.minimum(np.sum(pairs[0], axis=0, dtype=np.int8), np.sum(pairs[1], axis=0, dtype=np.int8))
             a, b, c, d = (ring[(k + turn) % 8] for k in (4, 5, 7, 6))
             mask = mask & ~((parts == 1) & (count >= 2) & (count <= 3) & ~((a | b | ~c) & d))
         if mask.sum() == before:
@@ -98,7 +113,7 @@ def ridges(mask: NDArray, close: int, shortest: int, width: NDArray, keep: NDArr
 
 def _graph(lines: NDArray, shortest: int) -> Ridges:
     """Arms and junctions of thin lines; junctions with a short arm between them are one."""
-    crowd = lines & (convolve(lines.astype(int), RING, mode="constant") - 1 >= 3)
+    crowd = lines & (convolve(lines.astype(np.int8), RING, mode="constant") - 1 >= 3)
     whole, count = label(lines, RING)
     while True:
         knots, knot_count = label(crowd, RING)
@@ -108,7 +123,7 @@ def _graph(lines: NDArray, shortest: int) -> Ridges:
         if bends:
             crowd = crowd & ~np.isin(knots, bends)
             continue
-        sizes = np.bincount(pieces.ravel(), minlength=piece_count + 1)
+        sizes = np.bincount(pieces[pieces > 0], minlength=piece_count + 1)
         between = [
             p for p in range(1, piece_count + 1) if sizes[p] < shortest and sum(p in around for around in meets) == 2
         ]

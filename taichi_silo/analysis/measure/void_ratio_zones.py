@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from taichi_silo.analysis.measure.peaks import peaks
-from taichi_silo.analysis.measure.raster import clean, first_fall, inverse_distance_mean
+from taichi_silo.analysis.measure.raster import (
+    by_rows,
+    clean,
+    crossings,
+    first_fall,
+    inverse_distance_mean,
+    median_distance,
+)
 
 SMALLEST_CHANGE = 0.01  # of the void ratio; anything below is no zone
 HEIGHTS = (0.1, 0.8)  # of the fill height: lowest and highest row that is measured beside a wall
@@ -126,8 +133,9 @@ def interior_zone_count(
 
 def _spacing(points: NDArray) -> float:
     """Distance to the nearest neighbour, median over the points [m]."""
-    distance, _ = cKDTree(points).query(points, k=2)
-    return float(np.median(distance[:, 1]))
+    tree = cKDTree(points)
+    distance = by_rows(lambda rows: tree.query(points[rows], k=[2])[0], len(points), 1)
+    return float(np.median(distance))
 
 
 def _rows(points: NDArray, heights: tuple[float, float], spacing: float, step: float | None = None) -> NDArray:
@@ -139,4 +147,6 @@ def _rows(points: NDArray, heights: tuple[float, float], spacing: float, step: f
 
 def _field(points: NDArray, value: NDArray, x: NDArray, y: NDArray) -> NDArray:
     """Values (len(y), len(x)) of the field at the crossings of columns x and rows y."""
-    return inverse_distance_mean(points, value, np.stack(np.meshgrid(x, y), axis=-1), 4)
+    tree = cKDTree(points)
+    typical_m = median_distance(tree, x, y, 4) if len(y) else 0.0
+    return by_rows(lambda rows: inverse_distance_mean(tree, value, crossings(x, y[rows]), 4, typical_m), len(y), len(x))

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
+from scipy.spatial import cKDTree
 
-from taichi_silo.analysis.measure.raster import first_fall, sample, within
+from taichi_silo.analysis.measure.raster import by_rows, first_fall, sample, within
 from taichi_silo.analysis.measure.void_ratio_zones import SMALLEST_CHANGE
 
 CELLS = 2  # of the raster a spacing
@@ -59,7 +60,7 @@ class Zone:
 class Body:
     """The points that all zones are measured on."""
 
-    points: NDArray  # (n, 2) places [m]
+    tree: cKDTree  # of the points
     excess: NDArray  # (n,) shear strain less its median
     change: NDArray | None  # (n,) of the void ratio, less its median
     spacing: float  # of the points [m]
@@ -83,9 +84,16 @@ def measured_zone(
     line, across = _stations(arm, body.spacing)
     offset = np.arange(-REACH, REACH, FINEST * body.spacing / body.width) * body.width
     offset -= offset[np.argmin(np.abs(offset))]
-    places = line[:, None, :] + offset[None, :, None] * across[:, None, :]
-    inside = within(body.points, places, body.spacing) & (places[..., 0] >= 0.0) & (places[..., 0] <= body.width)
-    profile = np.where(inside, sample(body.points, body.excess, places, body.spacing), -np.inf)
+
+    def places(rows: slice) -> NDArray:
+        return line[rows, None, :] + offset[None, :, None] * across[rows, None, :]
+
+    def profiles(rows: slice) -> NDArray:
+        there = places(rows)
+        inside = within(body.tree, there, body.spacing) & (there[..., 0] >= 0.0) & (there[..., 0] <= body.width)
+        return np.where(inside, sample(body.tree, body.excess, there, body.spacing), -np.inf)
+
+    profile = by_rows(profiles, len(line), len(offset))
     middles, widths, peaks, parts = [], [], [], []
     near = np.flatnonzero(np.abs(offset) <= 1.5 * body.spacing)
     for values in profile:
@@ -116,7 +124,10 @@ def measured_zone(
     inclination = Spread.of(angle - 180.0 * np.ceil((np.median(angle) - 90.0) / 180.0))
     change, kind = np.nan, "unknown"
     if body.change is not None:
-        values = sample(body.points, body.change, places, body.spacing)[clear]
+        of_change = body.change
+        values = by_rows(lambda rows: sample(body.tree, of_change, places(rows), body.spacing), len(line), len(offset))[
+            clear
+        ]
         change = float(np.mean(values[np.array(parts)[clear]]))
         kind = "neutral" if abs(change) < SMALLEST_CHANGE else "dilatant" if change > 0.0 else "contractant"
     left, right = _meets_walls(body, middle, free, thickness.median)

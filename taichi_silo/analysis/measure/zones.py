@@ -93,16 +93,21 @@ def shear_zones(
     strongest = float(smooth[allowed].max(initial=0.0))
     if not strongest > 0.0 or strongest < CONTRAST * background:
         return Zones(0, (), np.empty((0, 2)), np.empty((0, 2)), background, spacing)
+    allowed &= smooth >= THRESHOLD * strongest
+    wide = np.maximum(smooth, 0.0, out=smooth)
+    wide *= 8.0 * np.log(2.0)
     with np.errstate(invalid="ignore", divide="ignore"):
-        wide = np.sqrt(8.0 * np.log(2.0) * np.maximum(smooth, 0.0) / np.abs(curvature))
+        wide /= np.abs(curvature, out=curvature)
+    np.sqrt(wide, out=wide)
+    del curvature
     lines = ridges(
-        allowed & (smooth >= THRESHOLD * strongest),
+        allowed,
         close=round(sigma),
         shortest=round(SHORTEST * sigma),
         width=wide,
-        keep=np.broadcast_to(wall < clear + spacing, smooth.shape),
+        keep=np.broadcast_to(wall < clear + spacing, wide.shape),
     )
-    body = Body(points, excess, change[0] - np.median(change[0]) if change else None, spacing, width_m, clear)
+    body = Body(raster.tree, excess, change[0] - np.median(change[0]) if change else None, spacing, width_m, clear)
     corner = np.array([raster.x_m[0], raster.y_m[0]])
     junctions = corner + lines.junctions[:, ::-1] * raster.cell_m
     measured = (

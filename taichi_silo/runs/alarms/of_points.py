@@ -1,5 +1,7 @@
 """Checks of the states of all points, now and then."""
 
+from pathlib import Path
+
 import numpy as np
 import shapely
 
@@ -13,6 +15,7 @@ from taichi_silo.scene.scene import Scene
 from taichi_silo.simulation.alarm import Alarm
 from taichi_silo.simulation.record import Record
 from taichi_silo.simulation.simulation import Simulation
+from taichi_silo.utils.set_aside import SetAside
 
 Points = dict[str, np.ndarray]  # fields of all points, see `Simulation.points`
 
@@ -40,7 +43,11 @@ def space(scene: Scene) -> shapely.Geometry:
 
 
 class CheckOfPoints(Check):
-    """One kind of wrongness that the states of all points show."""
+    """One kind of wrongness that the states of all points show; earlier ones wait in a folder (`SetAside`)."""
+
+    def __init__(self, simulation: Simulation, folder: Path | None = None):
+        super().__init__(simulation)
+        self.folder = folder
 
     def filled(self, points: Points) -> None:
         """Take note of the state from which the flow starts."""
@@ -49,8 +56,8 @@ class CheckOfPoints(Check):
 class Outside(CheckOfPoints):
     """Sand beyond the walls, the floor, or within an insert."""
 
-    def __init__(self, simulation: Simulation):
-        super().__init__(simulation)
+    def __init__(self, simulation: Simulation, folder: Path | None = None):
+        super().__init__(simulation, folder)
         self.reach = OUTSIDE * simulation.scene.grid.cell_size_m
         self.space = space(simulation.scene)
         shapely.prepare(self.space)
@@ -78,17 +85,18 @@ class Outside(CheckOfPoints):
 class _Since(CheckOfPoints):
     """Compares with an earlier state."""
 
-    def __init__(self, simulation: Simulation):
-        super().__init__(simulation)
-        self.earlier: dict | None = None
+    def __init__(self, simulation: Simulation, folder: Path | None = None):
+        super().__init__(simulation, folder)
+        self.earlier: SetAside | None = None
 
     def state(self) -> dict:
         """The state to compare with."""
-        return {"earlier": self.earlier}
+        return {"earlier": self.earlier and self.earlier.kept}
 
     def restore(self, kept: dict) -> None:
         """Go on with the state to compare with."""
-        self.earlier = kept.get("earlier")
+        if kept.get("earlier") is not None:
+            self.earlier = SetAside(self.folder, kept["earlier"])
 
 
 class Ratcheting(_Since):
@@ -96,23 +104,24 @@ class Ratcheting(_Since):
 
     KEPT = ("position", "void_ratio", "mass", "identity")  # of the state that the flow starts from
 
-    def __init__(self, simulation: Simulation):
-        super().__init__(simulation)
-        self.rings: Rings | None = None
+    def __init__(self, simulation: Simulation, folder: Path | None = None):
+        super().__init__(simulation, folder)
+        self.rings: SetAside | None = None  # of so many points
 
     def filled(self, points: Points) -> None:
         """Keep the state that the flow starts from."""
-        self.earlier = points
+        self.earlier = SetAside(self.folder, points)
 
     def look(self, record: Record, points: Points) -> Alarm | None:
         """Compare the sand that has not been sheared with its state after filling."""
         if self.earlier is None or self.free:  # sand that falls is not at rest, and lands as it can
             return None
-        earlier = matched(self.earlier, points)
-        if self.rings is None or len(self.rings.index) != len(points["mass"]):  # else it is the same sand as before
-            self.rings = Rings(earlier["position"])
-        scene = self.simulation.scene
-        lost, where = unexplained_densification(earlier, points, scene, self.rings)
+        earlier = matched(self.earlier.read(), points)
+        if self.rings is None or self.rings.kept["points"] != len(points["mass"]):  # else it is the same sand
+            found = Rings(earlier["position"])
+            self.rings = SetAside(self.folder, {"index": found.index, "points": len(found.index)})
+        scene, rings = self.simulation.scene, Rings(earlier["position"], self.rings.read()["index"])
+        lost, where = unexplained_densification(earlier, points, scene, rings)
         if not lost > MOST_LOST:
             return None
         cure = 'method.noise_control = "column" helps'
@@ -131,8 +140,9 @@ class Inertia(_Since):
 
     def look(self, record: Record, points: Points) -> Alarm | None:
         """Compare the percentile of the points below the surface with the limit."""
-        before = self.earlier
-        self.earlier = {"identity": points["identity"], "path": points["path"], "time_s": record.time_s}
+        before = self.earlier.read() if self.earlier else None
+        known = {"identity": points["identity"], "path": points["path"], "time_s": record.time_s}
+        self.earlier = SetAside(self.folder, known)
         if before is None or record.stage != "flow" or self.free:
             return None
         scene = self.simulation.scene

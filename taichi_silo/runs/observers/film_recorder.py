@@ -82,7 +82,7 @@ class FilmRecorder(Observer):
             self.shown[record.stage] += due
             self.states.append(
                 film_states.piece(
-                    self.packing, self.units, self.simulation.points(), record.time_s, record.stage,
+                    self.packing, self.units, self.simulation.points(*film_states.FIELDS), record.time_s, record.stage,
                     record.displacement_m, due,
                 )
             )  # fmt: skip

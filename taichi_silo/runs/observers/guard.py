@@ -1,5 +1,7 @@
 """Looks for wrongness all the time, says when, where, why and what to do, and stops a run that is lost."""
 
+from pathlib import Path
+
 from taichi_silo.runs.alarms import of_points as of_points
 from taichi_silo.runs.alarms import of_records as of_records
 from taichi_silo.runs.observers import Observer
@@ -16,6 +18,10 @@ OF_POINTS = (of_points.Outside, of_points.Ratcheting, of_points.Inertia)
 class Guard(Observer):
     """Runs all checks; what they find is in `simulation.alarms`, and what does not stop the run in its warnings, too.
 
+    Parameters
+    ----------
+    folder : of the run, on whose disk earlier states wait; where temporary files are if None.
+
     Raises
     ------
     RunFailed
@@ -23,11 +29,14 @@ class Guard(Observer):
 
     """
 
+    def __init__(self, folder: Path | None = None):
+        self.folder = folder
+
     def begin(self, simulation) -> None:
         """Make the checks."""
         self.simulation, self.count = simulation, 0
         self.of_records = [check(simulation) for check in OF_RECORDS]
-        self.of_points = [check(simulation) for check in OF_POINTS]
+        self.of_points = [check(simulation, self.folder) for check in OF_POINTS]
 
     def state(self) -> dict:
         """Of all checks."""

@@ -6,7 +6,6 @@ import math
 import time
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -27,11 +26,15 @@ from taichi_silo.runs.theories import theory_of
 from taichi_silo.scene.outlets import Outlet
 from taichi_silo.simulation import outflow
 from taichi_silo.utils import atomic_write
+from taichi_silo.utils.set_aside import SetAside
 
 MEASURED = (0.9, 1.0)  # of the flow: between which its pattern is measured
-FILLED = ("position", "void_ratio", "mass", "path", "volume", "stress", "identity")  # what is kept: after filling,
-BEFORE = ("position", "volume", "identity")  # and of the two states between which the flow is measured
+# what is kept of the points: after filling, and of the two states between which the flow is measured
+FILLED = ("position", "void_ratio", "mass", "path", "volume", "stress", "identity")
+BEFORE = ("position", "volume", "identity")
 LATER = ("position", "void_ratio", "mass", "path", "identity")
+CERTIFIED = ("position", "void_ratio", "mass", "path", "identity")  # what the certificate needs of it,
+AT_END = (*CERTIFIED, "stress")  # and of the last state
 EARLY = 0.15  # of the sand: free outflow is measured until so much has left
 
 
@@ -50,13 +53,14 @@ class Summary(Observer):
     def begin(self, simulation) -> None:
         """Start the clock."""
         self.simulation, self.started = simulation, time.monotonic()
-        self.after_filling: Any = None  # states of all points, as `_state` gives them
-        self.before: Any = None
-        self.mid: Any = None
+        self.after_filling: SetAside | None = None  # states of all points, as `_state` gives them
+        self.before: SetAside | None = None
+        self.mid: SetAside | None = None
 
     def state(self) -> dict:
         """All but the simulation."""
-        states = {name: getattr(self, name) for name in STATES}
+        kept = {name: getattr(self, name) for name in STATES}
+        states = {name: state and state.kept for name, state in kept.items()}
         return states | {"seconds": time.monotonic() - self.started}
 
     def restore(self, simulation, kept: dict) -> None:
@@ -64,16 +68,16 @@ class Summary(Observer):
         self.simulation = simulation
         self.started = time.monotonic() - kept["seconds"]
         for name in STATES:
-            setattr(self, name, kept[name])
+            setattr(self, name, None if kept[name] is None else SetAside(self.file.parent, kept[name]))
 
     def observe(self, record) -> None:
         """Keep the states between which the flow is measured."""
         if record.stage == "flow" and self.mid is None:
             part = self._part(record)
             if self.before is None and part >= MEASURED[0]:
-                self.before = self._state(*BEFORE)
+                self.before = self._set_aside(*BEFORE)
             elif self.before is not None and part >= MEASURED[1]:
-                self.mid = self._state(*LATER)
+                self.mid = self._set_aside(*LATER)
 
     def _part(self, record) -> float:
         """How far the flow has come: of the displacement, or in free outflow of 15 % of the sand."""
@@ -86,7 +90,10 @@ class Summary(Observer):
 
     def filled(self) -> None:
         """Keep the state after filling."""
-        self.after_filling = self._state(*FILLED)
+        self.after_filling = self._set_aside(*FILLED)
+
+    def _set_aside(self, *fields: str) -> SetAside:
+        return SetAside(self.file.parent, self._state(*fields))
 
     def _state(self, *fields: str) -> dict:
         """Fields of the points, all or those named, and when and where the bottom was."""
@@ -166,15 +173,21 @@ class Summary(Observer):
             yield "flow pattern", self._flow
 
     def _certificate(self, records: pd.DataFrame) -> dict:
-        return certificate(records, self.after_filling, self._state(*FILLED), self.simulation)
+        filled = self.after_filling.read(*CERTIFIED) if self.after_filling else None
+        return certificate(records, filled, self._state(*AT_END), self.simulation)
 
     def _theory(self, janssen: dict) -> dict:
         angle_deg, ratio = janssen["wall_friction_angle_deg"], janssen["pressure_ratio_K0"]
         return theory_of(self.simulation.scene, angle_deg, ratio)
 
     def _flow(self) -> dict:
-        simulation, now = self.simulation, self.mid or self._state(*LATER)
-        found = flow_findings(self.after_filling, self.before, now, simulation.scene)
+        simulation, filled = self.simulation, self.after_filling
+        if filled is None or self.before is None:
+            return {}
+        found = flow_findings(
+            filled.read("path", "void_ratio", "identity"), self.before.read(),
+            self.mid.read() if self.mid else self._state(*LATER), simulation.scene,
+        )  # fmt: skip
         if simulation.clock.ended == "jam" and not simulation.scene.flow.free:  # the sand did not follow the gate
             found = {name: value for name, value in found.items() if name not in OF_OUTFLOW}
         return found
@@ -235,7 +248,8 @@ class Summary(Observer):
     def _janssen(self, filling: dict) -> dict:
         scene = self.simulation.scene
         above = self.profiles.after_filling_above(scene.silo.transition_m)
-        return janssen_findings(scene, filling, self.after_filling, above)
+        points = self.after_filling.read("position", "stress", "volume") if self.after_filling else {}
+        return janssen_findings(scene, filling, points, above)
 
     def _wall_stresses(self) -> dict:
         """Of each state, away from the corner: at one node, and as a pressure cell reads it."""
@@ -253,8 +267,9 @@ class Summary(Observer):
 
     def _zones(self) -> dict:
         scene, points = self.simulation.scene, self._state("position", "void_ratio", "identity")
-        filled = matched(self.after_filling, points)
-        position = points["position"] + [0.0, points["sunk_m"]]
+        assert self.after_filling is not None
+        filled = matched(self.after_filling.read("void_ratio", "identity"), points)
+        position = points.pop("position") + [0.0, points["sunk_m"]]
         found: dict = {}
         for side in ("left", "right"):
             zone = wall_zone_thickness_m(
