@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from taichi_silo.scene.silo import Silo
-from taichi_silo.simulation import simulation as module
+from taichi_silo.simulation import views
 from taichi_silo.simulation.simulation import Simulation
 from tests.smallest import SMALLEST, smallest
 
@@ -23,7 +23,7 @@ def test_a_field_in_pieces_is_the_field(silo, monkeypatch):
     simulation.clock.displacement = 0.001
     whole = simulation.points()
     assert tuple(whole) == simulation.names_of_points
-    monkeypatch.setattr(module, "PIECE", 5)
+    monkeypatch.setattr(views, "PIECE", 5)
     for name, values in whole.items():
         assert np.array_equal(simulation.points(name)[name], values), name
         pieces = list(simulation.pieces(name))
