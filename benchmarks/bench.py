@@ -44,24 +44,25 @@ COLUMNS = (
 KEY = ["points", "points_per_cell", "threads", "precision", "phase"]
 
 
-def scene(points: int, points_per_cell: int, threads: int, arch: str = "cpu") -> Scene:
-    """A silo of 2 : 5 with about so many points."""
+def scene(points: int, points_per_cell: int, threads: int, arch: str = "cpu", cells_of_length: float = 0.0) -> Scene:
+    """A silo of 2 : 5 with about so many points; the characteristic length is so many cells, the law local at 0."""
     cells = max(2, round((points / points_per_cell / 10.0) ** 0.5))  # in a tenth of the area
     return Scene(
         silo=Silo(width_m=0.2, height_m=0.5, half="no"),
         walls=Walls(kind="smooth", friction_angle_deg=19.0),
         grid=Mesh(cell_size_m=0.1 / cells, points_per_cell=points_per_cell),
-        averaging=Averaging(characteristic_length_m=0.0),  # its cost is a line of its own
+        averaging=Averaging(characteristic_length_m=cells_of_length * 0.1 / cells),
         flow=Flow(speed_m_per_s=0.002, displacement_m=0.02),
         machine={"arch": arch, "threads": threads},
     )
 
 
 def loaded(
-    points: int, points_per_cell: int, threads: int, control: NoiseControl | None = None, arch: str = "cpu"
-) -> Simulation:
+    points: int, points_per_cell: int, threads: int, control: NoiseControl | None = None, arch: str = "cpu",
+    cells_of_length: float = 0.0,
+) -> Simulation:  # fmt: skip
     """A silo whose sand bears its weight (geostatic), so that a step is one of quasi-static flow."""
-    what = scene(points, points_per_cell, threads, arch)
+    what = scene(points, points_per_cell, threads, arch, cells_of_length)
     runtime.init(arch, threads)
     simulation = Simulation(what, control)
     particles, at_once = simulation.model.particles, 1 << 16
@@ -124,10 +125,11 @@ def ratios(size: tuple, seconds: list[float], theirs: list[tuple[float, float]])
 
 
 def measure(
-    points: int, points_per_cell: int, threads: int, yardstick: Yardstick | None, phases: bool = True
-) -> list[dict]:
+    points: int, points_per_cell: int, threads: int, yardstick: Yardstick | None, phases: bool = True,
+    cells_of_length: float = 0.0,
+) -> list[dict]:  # fmt: skip
     """The whole step, in turns with the yardstick, and on one thread its phases if they are asked for."""
-    simulation = loaded(points, points_per_cell, threads)
+    simulation = loaded(points, points_per_cell, threads, cells_of_length=cells_of_length)
     size = simulation.scene.points, points_per_cell, threads
     dt = 0.5 * simulation.solver.point_sums().stable_step
 
@@ -287,6 +289,10 @@ def main() -> None:
                 (of_step,) = measure(points, per_cell, 1, yardstick, phases=False)
             rows.append(of_step | {"phase": "step by Euler's rule"})
             say(rows[-1:])
+    for length in (1, 4):
+        (of_step,) = measure(16_000, 1, 1, yardstick, phases=False, cells_of_length=length)
+        rows.append(of_step | {"phase": f"step, l_c {length}"})
+        say(rows[-1:])
     for size in WHOLE_RUNS:
         for film in (False, True) if size == WHOLE_RUNS[0] else (False,):
             rows.append(whole_run(*size, film, yardstick))
