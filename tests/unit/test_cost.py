@@ -6,6 +6,7 @@ import pytest
 from taichi_silo.cli import model_silo
 from taichi_silo.mpm import runtime
 from taichi_silo.runs import cost_estimate
+from taichi_silo.scene.inserts import Insert
 from taichi_silo.scene.outlets import Outlet
 from taichi_silo.scene.scene import Flow, Machine, Mesh, Method, Scene, Walls
 from taichi_silo.scene.silo import Hopper, Silo
@@ -51,6 +52,18 @@ def test_a_given_step_halved_doubles_their_number():
 
 
 HOPPER = Silo(hopper=Hopper(half_angle_deg=20.0, outlet_width_m=0.1))
+
+
+@pytest.mark.parametrize(
+    "silo", [HOPPER, Silo(outlet=Outlet(width_m=0.1)), Silo(width_m=0.2, height_m=0.5, inserts=(
+        Insert(kind="polygon", corners_m=((0.075, 0.24), (0.125, 0.24), (0.1, 0.29))),
+    ))], ids=["hopper", "outlet", "insert"],
+)  # fmt: skip
+def test_steps_are_known_to_a_fifth_where_smooth_walls_converge_or_end(silo):
+    grid = Mesh(cell_size_m=0.02, points_per_cell=4)
+    scene = coarse("smooth", speed=0.02).model_copy(update={"silo": silo, "grid": grid})
+    simulation = done(started(scene))
+    assert abs(cost_estimate.steps(scene) / simulation.clock.steps - 1.0) < 0.2
 
 
 def history(silo: Silo, rehearsed: bool, walls="very-rough", a_cell=1, **flow):
