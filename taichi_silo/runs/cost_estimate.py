@@ -3,10 +3,10 @@
 The time step is a fraction of h / c, and c grows with a power of the stress, so the number of steps follows from the
 greatest stress that the sand will carry. That stress is taken as a multiple of the overburden at half the height; the
 multiples (`FILLED`, `FLOWING`) are of the wave speed, and were measured on dense and loose Karlsruhe sand, 50 to 2.5 mm
-cells. The steps come out within 10 % on grids of 4 to 80 cells across, up to 25 % elsewhere. Where smooth walls converge,
-at bodies and at edges of outlets, stresses are higher, the more so the finer the cells: with `CUT` and `EDGES` steps
-come out within 20 % in hoppers of 15 and 45 degrees, beside an insert and above an outlet in a level floor, on 20 to
-5 mm cells.
+cells. The steps come out within 10 % on grids of 4 to 80 cells across, up to 25 % elsewhere. Where smooth walls
+converge, at bodies and at edges of outlets, stresses are higher, the more so the finer the cells: with `CUT` and
+`EDGES` steps come out within 20 % in hoppers of 15 and 45 degrees, beside an insert and above an outlet in a level
+floor, on 20 to 5 mm cells.
 """
 
 import contextlib
