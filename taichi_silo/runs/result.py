@@ -143,14 +143,15 @@ class Result(os.PathLike):
         """`forces.csv`: a row an interval; normals positive in compression, shears where the wall carries weight.
 
         Besides the columns of the file it has `P`, `T` and `N` [N/m]: the force on the bottom, and friction and normal
-        force of a wall as means of both.
+        force of a wall as means of both; where none is vertical, of the inclined ones.
         """
         table = self._table("forces.csv", FORCES)
         walls = {
             name: (f"left_{part}_N_per_m", f"right_{part}_N_per_m") for name, part in (("T", "shear"), ("N", "normal"))
         }
         means = {name: 0.5 * (table[left] + table[right]) for name, (left, right) in walls.items()}
-        return table.assign(P=table["bottom_force_N_per_m"], **means)
+        table = table.assign(P=table["bottom_force_N_per_m"], **means)
+        return table.assign(**shown_forces(self.scene.silo, table))
 
     @cached_property
     def filling(self) -> pd.DataFrame:
@@ -305,7 +306,7 @@ class Result(os.PathLike):
 
     def _repr_html_(self) -> str:
         """In a notebook: the film, or else the force curves, and the numbers that matter."""
-        known = {} if self.residual is None else shown_forces(self.scene.silo, self.residual)
+        known = {} if self.residual is None else self.residual[["P", "T", "N"]]
         numbers = ", ".join(f"{name} = {force / 1e3:.3f} kN/m" for name, force in known.items())
         said = f"<p><code>{self.folder}</code> {'at the end: ' + numbers if numbers else 'has not ended'}</p>"
         if self.film is not None:

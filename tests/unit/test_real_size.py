@@ -124,6 +124,7 @@ def test_n_and_t_of_inclined_walls_are_their_force_across_and_along(tmp_path):
     for side in WALLS:
         assert float(inclined_walls(scene.silo, run.filled)[side]["N"]) == pytest.approx(n)
         assert inclined_walls(scene.silo, run.forces)[side]["T"].to_numpy() == pytest.approx(t)
+    assert run.residual[["P", "T", "N"]].to_numpy() == pytest.approx([100.0, t, n])  # where none is vertical
     rows = {row[0]: row[1:] for row in force_table(run).rows}
     assert rows["hopper left, N across it (kN/m)"] == ("0.0500", "–", "0.0500")
     assert rows["hopper right, T along it (kN/m)"] == ("0.0180", "–", "0.0180")

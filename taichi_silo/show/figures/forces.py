@@ -5,7 +5,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from taichi_silo.runs.inclined_walls import of_which, shown_forces
+from taichi_silo.runs.inclined_walls import of_which
 from taichi_silo.runs.result import Result
 from taichi_silo.show import theory
 from taichi_silo.show.figures.style import (
@@ -42,14 +42,7 @@ def run_forces_figure(run: Result) -> Figure | None:
     figure = new_figure(11.0, 4.6)
     panels = dict(zip(FORCES, figure.subplots(1, 3), strict=True))
     for (name, panel), color in zip(panels.items(), (BLUE, VERMILLION, GREEN), strict=True):
-        draw_curve(
-            panel,
-            run,
-            lambda rows, name=name: shown_forces(run.scene.silo, rows)[name] / 1e3,
-            color,
-            "median",
-            "every row",
-        )
+        draw_curve(panel, run, lambda rows, name=name: rows[name] / 1e3, color, "median", "every row")
         if name != "P" and theory.straight_m(run):
             _each_wall(panel, run, name, color)
         if run.scene.walls.kind != "very-rough":

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from taichi_silo.runs.inclined_walls import none_vertical, of_which, shown_forces
+from taichi_silo.runs.inclined_walls import none_vertical, of_which
 from taichi_silo.runs.result import Result
 
 PERIODS, SHARE = 2, 0.05  # of the column, and of the rows of the flow, over which the median goes at least
@@ -29,7 +29,7 @@ class ForceRows:
         self.rows = table.to_dict("records")
         silo = history.scene.silo
         self.times = table["time_s"].to_numpy(float)
-        self.forces = np.stack([force.to_numpy(float) for force in shown_forces(silo, table).values()], axis=1)
+        self.forces = table[["P", "T", "N"]].to_numpy(float)
         self.spread: np.ndarray | None = None
         self.note = of_which(silo) if none_vertical(silo) else ""
         flow = np.flatnonzero(table["stage"] == "flow")

@@ -8,7 +8,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from taichi_silo.errors import BadInput
-from taichi_silo.runs.inclined_walls import none_vertical, shown_forces
+from taichi_silo.runs.inclined_walls import none_vertical
 from taichi_silo.runs.point_fields import FIELDS
 from taichi_silo.runs.result import Result
 from taichi_silo.runs.run_folder import MADE, no_link
@@ -113,7 +113,7 @@ def _numbers(run: Result) -> tuple[tuple[str, str], ...]:
     silo = run.scene.silo
     forces = {name: residual.get(key) for name, key in NUMBERS.items()}
     if none_vertical(silo) and run.residual is not None:
-        forces = shown_forces(silo, run.residual)
+        forces = {name: run.residual[name] for name in NUMBERS}
     found += [(name, f"{1e-3 * value:.3f} kN/m") for name, value in forces.items() if value is not None]
     if residual.get("wall_friction_angle_deg") is not None and not none_vertical(silo):
         found.append(("arctan(T/N)", f"{residual['wall_friction_angle_deg']:.1f}°"))
