@@ -17,6 +17,7 @@ from taichi_silo.mpm.simd.strips import Strips
 from taichi_silo.mpm.simd.vectors import LANES, arrays_of_eight, compiling_simd, eight
 
 LIGHT = 2048  # groups that are loaded and stored by one thread, sooner than others have begun
+LARGE = 1 << 25  # bytes of the arrays, from which on it is worth the time to hand them back between steps
 NOTHING = 1e-200  # of a point's mass and volume: what fills up the last group
 
 
@@ -54,8 +55,11 @@ class Simd(Executor):
         self.points = runtime.array(eight, self.layout.groups * self.layout.record)
         self.sums, self.nodal = (runtime.array(eight, grid.nodes) for _ in range(2))
         self.arrays = self.points, self.sums, self.nodal
-        in_large_pages(*self.arrays)
-        give_back_freed()
+        numbers = self.layout.groups * self.layout.record + 2 * grid.nodes
+        self.large = 8 * LANES * numbers > LARGE
+        if self.large:
+            in_large_pages(*self.arrays)
+            give_back_freed()
         self.strips = Strips(self.layout, averaging.reach_m)
         self.light = self.alone or self.layout.groups < LIGHT
         self.compiled: set[str] = set()
@@ -90,10 +94,11 @@ class Simd(Executor):
         self.holds = -1
 
     def rest(self) -> None:
-        """Hand the state back, and the memory of the arrays: two thirds of all that a silo takes in its steps."""
+        """Hand the state back, and the memory of large arrays: two thirds of all that a silo takes in its steps."""
         self.hand_back()
         self.lend()
-        give_back(*self.arrays)
+        if self.large:
+            give_back(*self.arrays)
 
     def change(self, function: Callable[..., None]) -> None:
         """Let a function of the arrays (points, sums, nodal) change the points; it leaves sums and nodal 0."""
