@@ -1,6 +1,5 @@
 """The program `taichi-silo`."""
 
-import atexit
 import gc
 import importlib
 import sys
@@ -85,10 +84,9 @@ def main() -> None:
     """Run the program, with no more than the command that is asked for: each takes time to make.
 
     Modules and kernels are hundreds of thousands of objects, all in use: to look for garbage among them every now and
-    then, and when the process ends anyway, takes a tenth of a short run.
+    then takes a twentieth of a short run.
     """
     gc.set_threshold(SEARCH_AFTER)
-    atexit.register(gc.freeze)
     words = plugins_first(sys.argv[1:])
     asked = next((word for word in words if word in COMMANDS), None)
     serve(make([asked] if asked else COMMANDS), "taichi-silo", words, of_run=asked == "run")

@@ -1,6 +1,7 @@
 """The program `taichi-silo`: its commands, what they print, and their exit codes."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -235,3 +236,19 @@ def test_a_run_names_each_of_its_figures_at_its_end(tmp_path, capsys):
     command_line.tell(tmp_path / "run")
     told = capsys.readouterr().out
     assert not [name for name in RUN_FIGURES if f"figures/{name}.png " not in told]
+
+
+def test_what_a_run_has_compiled_is_kept_for_the_next(tmp_path):
+    (tmp_path / "silo.toml").write_text(
+        "[grid]\ncell_size_m = 0.05\n[flow]\nspeed_m_per_s = 0.05\ndisplacement_m = 0.0005\n"
+    )
+    words = ("run", "silo.toml", "--overwrite", "--quiet", "--no-film", "--no-figures")
+    kept = []
+    for _ in range(2):
+        subprocess.run(
+            [sys.executable, "-m", "taichi_silo.cli.app", *words], cwd=tmp_path, check=True,
+            env=os.environ | {"XDG_CACHE_HOME": str(tmp_path / "cache")},
+        )  # fmt: skip
+        kept.append({file for file in (tmp_path / "cache").rglob("*") if file.is_file()})
+    assert kept[0] == kept[1]
+    assert len(kept[0]) > 10  # the trial of the vector unit, in a process of its own, leaves fewer
