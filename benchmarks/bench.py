@@ -112,7 +112,9 @@ def rates(yardstick: Yardstick | None, size: tuple) -> tuple[float, float]:
         return 0.0, 0.0
     points, per_cell, threads = size
     usual = yardstick.rate(threads, points)
-    return usual, usual if per_cell == 4 else yardstick.rate(threads, points, per_cell)
+    if per_cell == 4:
+        return usual, usual
+    return usual, yardstick.rate(threads, points, per_cell) if per_cell in yardstick.programs else 0.0
 
 
 def ratios(size: tuple, seconds: list[float], theirs: list[tuple[float, float]]) -> tuple[float | None, float | None]:
@@ -244,7 +246,7 @@ def say(rows: list[dict]) -> None:
     """Print lines of the table."""
     for line in rows:
         ratio = f"{line['yardstick_ratio']:.2f} of the yardstick" if line["yardstick_ratio"] else ""
-        if ratio and line["points_per_cell"] != 4:
+        if line["ratio_with_as_many_a_cell"] and line["points_per_cell"] != 4:
             ratio += f", {line['ratio_with_as_many_a_cell']:.2f} of it with as many a cell"
         print(
             f"{line['points']:9,d} points, {line['points_per_cell']} a cell, {line['threads']} thread(s)  "

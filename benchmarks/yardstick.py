@@ -4,7 +4,7 @@
 figures are absolute. Those move by a third from hour to hour on a shared machine: quote the ratio, measured in turns.
 
 With one point a cell a step has as many nodes as points, with four a quarter of them. So that both can be compared with
-the same work the program is compiled once more, with a lattice of one point a cell.
+the same work the program is compiled once more, with a lattice of one point a cell, if its source says what is changed.
 """
 
 import os
@@ -33,9 +33,12 @@ class Yardstick:
         here = Path(os.environ.get("TAICHI_SILO_YARDSTICK", Path(__file__).parents[2] / "shared" / "yardstick"))
         try:
             source = (here / "mpm2d.cpp").read_text()
-            return cls({4: compiled(source), 1: compiled(one_a_cell(source))})
+            programs = {4: compiled(source)}
+            if all(said in source for said in ONE_A_CELL):
+                programs[1] = compiled(one_a_cell(source))
         except (OSError, subprocess.CalledProcessError):
             return None
+        return cls(programs)
 
     def __init__(self, programs: dict[int, Path]):
         self.programs = programs
@@ -51,17 +54,8 @@ class Yardstick:
 
 
 def one_a_cell(source: str) -> str:
-    """The program with a lattice of one point a cell.
-
-    Raises
-    ------
-    ValueError
-        if it does not say what is to be changed.
-
-    """
+    """The program with a lattice of one point a cell."""
     for said, wanted in ONE_A_CELL.items():
-        if said not in source:
-            raise ValueError(f"the yardstick's source says nowhere {said!r}; it is another version")
         source = source.replace(said, wanted)
     return source
 
